@@ -1,8 +1,10 @@
 //! The example of the README: two bodies that fly at each other.
 
-use nearmiss::{Body, Error, Hitbox, Query, Scene, State, Trajectory};
+use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
+use std::error::Error;
+use std::io::{Write, stdout};
 
-fn main() -> Result<(), Error> {
+fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     for (start, speed) in [(0.0, 10.0), (100.0, -10.0)] {
         // s, m, m/s
@@ -12,7 +14,8 @@ fn main() -> Result<(), Error> {
     }
     // m between surfaces
     for conflict in scene.screen(&Query::default().with_margin(2.0))?.conflicts {
-        println!("{conflict}");
+        // `println!` would panic if nobody reads any more.
+        writeln!(stdout(), "{conflict}")?;
     }
     Ok(())
 }

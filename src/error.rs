@@ -311,10 +311,12 @@ pub enum Error {
     NoPlan,
     /// A body that exists at all times cannot be screened over an open-ended window: see
     /// [`Scene::planned`](crate::Scene::planned).
-    #[error("body {body} exists beyond its knots: the window must be closed on both sides")]
+    #[error("{} exists beyond its knots: the window must be closed on both sides", NamedBody(*id, *body))]
     WindowNotClosed {
-        /// The body's tag.
+        /// The body's tag: 0 without [`Body::with_tag`](crate::Body::with_tag).
         body: u64,
+        /// The body's id; `None` for a body that is not in a scene yet.
+        id: Option<BodyId>,
     },
     /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
@@ -444,10 +446,10 @@ impl Error {
         }
     }
 
-    /// Returns the error of a body with the body's id. Other errors stay as they are.
+    /// Returns an error that names a body with the body's id. Errors that name none, or only an id, stay as they are.
     #[must_use]
     pub fn with_id(mut self, of: BodyId) -> Self {
-        if let Self::InBody { id, .. } = &mut self {
+        if let Self::InBody { id, .. } | Self::WindowNotClosed { id, .. } = &mut self {
             *id = Some(of);
         }
         self

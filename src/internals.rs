@@ -6,54 +6,55 @@
 //! defined at the [crate](crate); those of the inside are set in italics where they are defined here.
 //!
 //! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
-//!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part of
-//!    an end motion between two *cuts*. End motions and legs of constant velocity are in *power form*, other
-//!    cubics in Bézier form. A *straight motion* is a trajectory from one state. It is *replaced* by another
-//!    one in place where states are told each frame. A *plan* is any trajectory, or one that is no straight
-//!    motion where the two are told apart. A body that *turns* has a rotation.
+//!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
+//!    of an end motion between two *cuts*. End motions and legs of constant velocity are in *power form*,
+//!    other cubics in Bézier form. A *straight motion* is a trajectory from one state. It is *replaced* by
+//!    another one in place where states are told each frame. A *plan* is any trajectory, or one that is no
+//!    straight motion where both are named. A body that *turns* has a rotation.
 //! 2. `orientation`: the *parts* of an orientation, as given, become *pieces*, each an arc or a cubic. These
-//!    become cubics of matrices between cuts of their own; the rotation is *baked*, and the error of that in
-//!    metres is the `baking`. A `TurningCell` lies between neighbouring cuts of one body, a *cell* between
-//!    those of both. The *way* of a point is its path about the body's position.
-//! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is its dense number in one search; in a
-//!    box tree, the number of its lane in the leaves. An *entry* is a body with the *summary* of its motion.
-//!    Its *compact trajectory*, a copy in f32, lies on cache *lines* of an *arena*. The *reach* of a hitbox is
-//!    the largest distance of its points from the body's position, its *arm* that of the centres.
-//! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. A box exceeds
-//!    the hull of a motion by its *padding*: hitbox, half the margin, and the clearance. A *fat line* is a
-//!    closer bound, a line with a radius. Rounding is relative to coordinates and to the *spread*, which is at
-//!    least half the distance between any two points of a cubic. A *run* is four consecutive cubics, or four
-//!    smaller runs, bounded at once.
-//! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs admits
-//!    or refuses by layers and ignored pairs.
-//! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Candidates whose fat
-//!    lines come near each other are *near pairs*. The spans of these that cheap tests leave are the
-//!    *survivors*. The tests reject only what exceeds the threshold by the *clearance*, 512 roundings. Searches
-//!    begin at the earliest and end at the latest exact instant that may be reported as an end of the window:
-//!    the window is *seen* from and until these.
+//!    become cubics of matrices between cuts of their own; the rotation is *baked*. A `TurningCell` lies
+//!    between neighbouring cuts of one body, a *cell* between those of both. The *way* of a point is its path
+//!    about the body's position; how far its cubic is off, in metres, is the `path_error`.
+//! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is an index in a list, above all its
+//!    dense number in one search. An *entry* is a body with the *summary* of its motion. Its *compact
+//!    trajectory*, a copy in f32, lies on cache *lines* of an *arena*. The *reach* of a hitbox is the largest
+//!    distance of its points from the body's position, its *arm* that of the centres.
+//! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. The frame of
+//!    one body's cubics is its *anchor*. A box exceeds the hull of a motion by its *padding*: hitbox, half
+//!    the margin, and the clearance. A *fat line* is a closer bound, a line with a radius. Rounding is
+//!    relative to coordinates and to the *spread*, which is at least half the distance between any two points
+//!    of a cubic. A *run* is four consecutive cubics, or four smaller runs, bounded at once.
+//! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs
+//!    admits or refuses by layers and ignored pairs. (The field `filter` of `Layers` is a bit mask.)
+//! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Candidates whose
+//!    fat lines come near each other are *near pairs*. The spans of these that cheap tests leave are the
+//!    *survivors*. The tests reject only what exceeds the threshold by the *clearance*, 512 roundings.
+//!    Searches begin at the earliest and end at the latest exact instant that may be reported as an end of
+//!    the window (`earliest_exact`, `latest_exact`).
 //! 7. `narrow_phase`: over a span, the difference of two motions is a *relative cubic*. Its squared distance
-//!    has *control heights*: its Bernstein coefficients. Between *stationary points* the distance is monotonic.
-//!    A *dip* is a minimum that the rounding of the squared distance hides; a *plateau* is a distance that is
-//!    constant to rounding. A *stretch* is an interval of a span within a threshold; a *contact* unites
-//!    stretches over spans and spheres. Clusters have an *envelope*: which pairs of spheres are the nearest,
-//!    and when. Their bounds hold up to the *slack*, an allowance for rounding.
+//!    has *control heights*: its Bernstein coefficients. Between *stationary points* the distance is
+//!    monotonic. A *dip* is a minimum that the rounding of the squared distance hides; a *plateau* is a
+//!    distance that is constant to rounding. A *stretch* is an interval of a span within a threshold; a
+//!    *contact* unites stretches over spans and spheres. Clusters have an *envelope*: which pairs of spheres
+//!    are the nearest, and when. Their bounds hold up to the *slack*, an allowance for rounding.
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
-//!    heights; a part is certainly inside a threshold, certainly outside, or undecided.
+//!    heights, and its *leading* coefficient that of x². A part is certainly inside a threshold, certainly
+//!    outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
-//! 10. `monitor`: changes are prepared on the *terms* of a `ChangeContext`. The *lookahead search* keeps
-//!     *solved spans* (`solved`), and knows everything up to an instant, the end of the *known time*. It holds
-//!     bodies as *monitored bodies* (`flights`) and notes the changed ones (`dirty`, their bounds `moved`). A
-//!     slice is *fresh* when these are compared with all bodies, which have boxes in its tree. Work on the next
-//!     slice is *due* in shares; it is *put off* where there is too little room. A body is *due* at the instant
-//!     up to which it was compared with half-spaces. The statistics of motion from which the number of slices
-//!     follows are the *traffic*. A *meter* counts work against a budget. A *jump* of the clock is searched
-//!     from nothing, in chunks of time (`piece`), without boxes that stay.
+//! 10. `monitor`: changes are prepared in a `ChangeContext`. The *lookahead search* keeps *solved spans*
+//!     (`solved`), and knows everything up to an instant, the end of the *known time*. It holds bodies as
+//!     *monitored bodies* and notes the *changed* ones, whose bounds are `moved`. A slice is *fresh* when
+//!     these are compared with all bodies. Each of them has its box in a *lane* of its tree's leaves. Work on
+//!     the next slice is *due* in shares; it is *put off* where there is too little room. A body is *due* at
+//!     the instant up to which it was compared with half-spaces. The number of slices follows from
+//!     *statistics* of motion. A *meter* counts work against a budget. A *jump* of the clock is searched from
+//!     nothing, in *chunks* of time, without boxes that stay.
 //! 11. `monitor/reading`: contacts of a pair become conflicts and *planned encounters*, whatever the window.
 //!     Those *at an edge* of the window are read again in each tick.
-//! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it ends
-//!     or is withdrawn. Their differences are the events. Pairs *wait* that have tracked encounters beyond the
-//!     known time. An instant up to which events were reported is *reported*. A state that the caller gives is
-//!     *told*.
+//! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
+//!     ends or is withdrawn. Their differences are the events. Pairs *wait* that have tracked encounters
+//!     beyond the known time. An instant up to which events were reported is *reported*. A state that the
+//!     caller gives is *told*.
 
 use crate::query::Query;
 use std::num::NonZeroU32;

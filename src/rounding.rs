@@ -36,7 +36,7 @@
 //! | twice the error in it | `orientation/turning` | proof 13 |
 //! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/turning` | `turning::tests` |
 //! | instants of a bounding sphere | `narrow_phase/turning/cells` | proof 14 |
-//! | slack and bend of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
+//! | slack and deviation of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of rejections, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
@@ -54,7 +54,7 @@
 //! | shares of a slice; instants | `narrow_phase/approach` | `approach::tests::{passes_that_touch*, intervals_between_instants*}` |
 //! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
 //! | rounding of a slope | `enclosure/minorant` | `minorant::exactly::the_slope_is_below_the_exact_one` |
-//! | rounding of a bend: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
+//! | rounding of the leading coefficient: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
 //! | a minorant's least value: base, sink | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
 //! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_level_beyond_its_reach` |
 //! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
@@ -219,13 +219,13 @@ fn norm_of_any_size(vector: DVec3) -> f64 {
 
 /// Returns the earliest exact instant (s) that may be reported as `time`, by rounding.
 #[inline]
-pub(crate) fn seen_from(time: f64) -> f64 {
+pub(crate) fn earliest_exact(time: f64) -> f64 {
     time - INSTANT * time.abs()
 }
 
 /// Returns the latest exact instant (s) that may be reported as `time`.
 #[inline]
-pub(crate) fn seen_until(time: f64) -> f64 {
+pub(crate) fn latest_exact(time: f64) -> f64 {
     time + INSTANT * time.abs()
 }
 

@@ -52,7 +52,7 @@ struct SlotKey {
 }
 
 impl Slot {
-    /// Replaces the motion of the body, if there is one, which must be [replaced as usual](Trajectory::replace_as_usual).
+    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_as_usual).
     #[inline]
     pub(crate) fn replace_as_usual(
         &mut self,

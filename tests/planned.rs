@@ -44,7 +44,10 @@ fn a_wall_at_rest_among_plans() {
     let all = Query::new(Window::ALL).with_margin(2.0);
     assert_eq!(
         scene.screen(&all).unwrap_err(),
-        Error::WindowNotClosed { body: 0 }
+        Error::WindowNotClosed {
+            body: 0,
+            id: Some(wall)
+        }
     );
 }
 

@@ -281,15 +281,26 @@ fn a_failed_call_leaves_the_scene_as_it_was() {
 fn endless_bodies_need_a_closed_window() {
     let mut scene = Scene::new();
     let plan = support::line(0.0, 1.0, DVec3::ZERO, DVec3::X).with_outside(Outside::Coast);
-    scene.insert(Body::new(plan).with_tag(77)).unwrap();
-    for window in [Window::ALL, Window::new(0.0, f64::INFINITY).unwrap()] {
-        assert_eq!(
-            scene.screen(&Query::new(window)).unwrap_err(),
-            Error::WindowNotClosed { body: 77 }
-        );
-    }
+    let body = Body::new(plan).with_tag(77);
+    let id = scene.insert(body.clone()).unwrap();
     let closed = Query::new(Window::new(0.0, 1e9).unwrap());
     assert!(scene.screen(&closed).is_ok());
+    for window in [Window::ALL, Window::new(0.0, f64::INFINITY).unwrap()] {
+        let query = Query::new(window);
+        let refused = scene.screen(&query).unwrap_err();
+        let id = Some(id);
+        assert_eq!(refused, Error::WindowNotClosed { body: 77, id });
+        assert!(
+            refused
+                .to_string()
+                .starts_with("body 0v0 (tag 77) exists beyond its knots")
+        );
+        // Of two bodies the one in the scene has an id, the one asked about has none.
+        let resting = Body::new(support::line(0.0, 1.0, DVec3::ZERO, DVec3::X));
+        assert_eq!(scene.conflicts_with(&resting, &query).unwrap_err(), refused);
+        let asked = Scene::new().conflicts_with(&body, &query).unwrap_err();
+        assert_eq!(asked, Error::WindowNotClosed { body: 77, id: None });
+    }
 }
 
 #[test]

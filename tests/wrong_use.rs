@@ -208,7 +208,7 @@ const CALLS: &[(Attempt, &str)] = &[
         let (mut scene, ..) = pair();
         scene.insert(Body::new(flying().with_outside(Outside::Coast)).with_tag(7))?;
         done(scene.screen(&Query::new(Window::new(0.0, f64::INFINITY)?))?)
-    }, "body 7 exists beyond its knots: the window must be closed on both sides"),
+    }, "body 2v0 (tag 7) exists beyond its knots: the window must be closed on both sides"),
     (|| {
         let (mut scene, a, _) = pair();
         scene.remove(a)?;

@@ -48,12 +48,12 @@ fn see<const EXTENDED: bool>(
         let rounding = piece.rounding() + placement.steady;
         (
             piece.points,
-            rounding + placement.place.abs() * (6.0 * ROUNDING),
+            rounding + placement.origin.abs() * (6.0 * ROUNDING),
         )
     };
     let ((points_a, rounding_a), (points_b, rounding_b)) = (part(a), part(b));
     let (placement_a, placement_b) = (&a.source.placement, &b.source.placement);
-    let apart = placement_a.place - placement_b.place;
+    let apart = placement_a.origin - placement_b.origin;
     let points = [0, 1, 2, 3].map(|j| Vec3A::from_vec4(apart + (points_a[j] - points_b[j])));
     let rounding = Vec3A::from_vec4(rounding_a + rounding_b);
     // Its rounding is in both placements'.
@@ -66,7 +66,7 @@ fn see<const EXTENDED: bool>(
     }
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
-    // Products of coordinates have three roundings of their own. `rounding` counts six of each place and point, and
+    // Products of coordinates have three roundings of their own. `rounding` counts six of each origin and point, and
     // the difference uses three of them: three are left. The bound has seven roundings of the radius; `steady`
     // counts eight on each axis.
     let blur = rounding.element_sum();

@@ -11,7 +11,7 @@ use glam::Vec4;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// The bounds of a body's motion over the pieces so far of one slice, relative to the body's place.
+/// The bounds of a body's motion over the pieces so far of one slice, relative to the body's anchor.
 /// The fourth lane is unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoundsBuilder<const MOVES: bool> {
@@ -96,13 +96,13 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Adds a straight piece that begins when the previous one ends: between its ends it strays no farther.
     #[inline(always)]
     pub(super) fn go_straight(&mut self, part: &StraightPart) {
-        let place = self.slice.relative_at(part.first, self.share);
-        (self.low, self.high) = (self.low.min(place), self.high.max(place));
+        let point = self.slice.relative_at(part.first, self.share);
+        (self.low, self.high) = (self.low.min(point), self.high.max(point));
         self.include_deviation(part.first - self.line);
         self.share = self.slice.share(part.to);
         self.line = self.start + self.change * self.share;
-        let place = self.slice.relative_at(part.last, self.share);
-        (self.low, self.high) = (self.low.min(place), self.high.max(place));
+        let point = self.slice.relative_at(part.last, self.share);
+        (self.low, self.high) = (self.low.min(point), self.high.max(point));
         self.include_deviation(part.last - self.line);
         self.spread = self.spread.max(part.spread);
     }
@@ -118,10 +118,10 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         };
         let share = slice.share(from);
         let line = start + change * share;
-        let place = slice.relative_at(start, share);
+        let point = slice.relative_at(start, share);
         Self {
-            low: place,
-            high: place,
+            low: point,
+            high: point,
             spread: 0.0,
             splits: 0.0,
             least: start - line,
@@ -138,9 +138,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     pub(crate) fn follow_from_start(&mut self, piece: &SubCubic) {
         let start = piece.points[0];
-        let place = self.slice.relative_at(start, self.share);
-        self.low = self.low.min(place);
-        self.high = self.high.max(place);
+        let point = self.slice.relative_at(start, self.share);
+        self.low = self.low.min(point);
+        self.high = self.high.max(point);
         self.include_deviation(start - self.line);
         self.follow(piece);
     }
@@ -233,13 +233,13 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let largest = low.abs().max(high.abs()) + displacement;
         let rounding = SubCubic::roundings(largest, self.spread, self.splits) + placement.steady;
         let (middle, deviation) = self.middle();
-        let (start, change) = (placement.place + (self.start + middle), self.change);
+        let (start, change) = (placement.origin + (self.start + middle), self.change);
         // One where the line is moved.
         let moved = rounding + middle.abs() * ROUNDING;
         let fat_line = fat_line(start, change, (deviation, moved), placement.reach, first);
-        // Of the place, of the two sums with it, and of the subtraction below: 4; and more than the
+        // Of the origin, of the two sums with it, and of the subtraction below: 4; and more than the
         // clearance of rejections. Of the displacement at an instant: six at most, with that of the difference.
-        let rounding = rounding + (placement.place.abs() + displacement) * (6.0 * ROUNDING);
+        let rounding = rounding + (placement.origin.abs() + displacement) * (6.0 * ROUNDING);
         let low = (placement.low + low - rounding).max(Vec4::splat(f32::MIN));
         let high = (placement.high + high + rounding).min(Vec4::splat(f32::MAX));
         let aabb = Aabb::new(
@@ -260,7 +260,7 @@ fn fat_line(
     first: u32,
 ) -> FatLine {
     let deviation = deviation * deviation;
-    // Eight of the line's change; of where it starts in its own place, `rounding` holds those.
+    // Eight of the line's change; of where it starts relative to the anchor, `rounding` holds those.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
     let radius = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING
@@ -296,13 +296,13 @@ mod tests {
 
     /// A motion that bends one way deviates from its fat line half as far as from the chord.
     #[test]
-    fn courses_lie_in_the_middle_of_a_bend() {
+    fn fat_lines_lie_in_the_middle_of_a_bend() {
         let thrown = |time: f64| {
-            let (place, velocity) = (DVec3::new(3.0, 5.0 * time, 0.0), DVec3::new(4.0, 5.0, 0.0));
+            let (start, velocity) = (DVec3::new(3.0, 5.0 * time, 0.0), DVec3::new(4.0, 5.0, 0.0));
             let fall = DVec3::X * (-4.0 * time);
             State::new(
                 time,
-                place + velocity.x * DVec3::X * time + 0.5 * time * fall,
+                start + velocity.x * DVec3::X * time + 0.5 * time * fall,
                 velocity + fall,
             )
         };
@@ -344,7 +344,7 @@ mod tests {
 
     /// The deviation of a run bounds that of its cubics for every line, and is not much larger.
     #[test]
-    fn bundles_stray_as_far_as_their_cubics() {
+    fn runs_stray_as_far_as_their_cubics() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let mut lengths = [0; 65];
         for round in 0..400 {
@@ -425,7 +425,7 @@ mod tests {
 
     /// Returns the deviation of a run of cubics of no duration, and the end of its line.
     #[test]
-    fn strays_of_bundles_are_rounded_outward() {
+    fn strays_of_runs_are_rounded_outward() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for _ in 0..5_000 {
             let (deviation, end): (f32, f32) = (rng.random(), rng.random());
@@ -475,15 +475,15 @@ mod tests {
             let [low, high] = [aabb.mins, aabb.maxs]
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             for (share, point) in [(from, points[0]), (1.0, points[3])] {
-                let place = point.truncate().as_dvec3() - way * share;
-                assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+                let point = point.truncate().as_dvec3() - way * share;
+                assert!(low.cmple(point).all() && high.cmpge(point).all(), "{round}");
             }
         }
     }
 
     /// In a slice of no duration, a body and the line may be anywhere on the body's path.
     #[test]
-    fn bundles_of_no_duration_stray_as_far_as_both_ends() {
+    fn runs_of_no_duration_stray_as_far_as_both_ends() {
         let points = [0.0, 0.25, 0.5, 1.0].map(|x| Vec4::new(x, 0.0, 0.0, 0.0));
         let piece = SubCubic {
             points,

@@ -70,17 +70,17 @@ impl DAabb {
         self.high = larger(self.high, other.high);
     }
 
-    /// Returns the range of the middle half of `places` on each axis, which ignores outliers.
-    pub(crate) fn of_middle_half(places: &mut [DVec3]) -> Self {
+    /// Returns the range of the middle half of `positions` on each axis, which ignores outliers.
+    pub(crate) fn of_middle_half(positions: &mut [DVec3]) -> Self {
         let mut middle = Self::NOTHING;
-        let Some(last) = places.len().checked_sub(1) else {
+        let Some(last) = positions.len().checked_sub(1) else {
             return middle;
         };
-        let quarter = places.len() / 4;
+        let quarter = positions.len() / 4;
         for axis in 0..3 {
-            places.sort_unstable_by(|x, y| x[axis].total_cmp(&y[axis]));
-            middle.low[axis] = places[quarter][axis];
-            middle.high[axis] = places[last - quarter][axis];
+            positions.sort_unstable_by(|x, y| x[axis].total_cmp(&y[axis]));
+            middle.low[axis] = positions[quarter][axis];
+            middle.high[axis] = positions[last - quarter][axis];
         }
         middle
     }
@@ -93,11 +93,11 @@ impl DAabb {
         self.low * 0.5 + self.high * 0.5
     }
 
-    /// Returns the box within `reach` of a place (m), for choosing a frame: not rounded outward.
-    pub(super) fn about(place: DVec3, reach: f64) -> Self {
+    /// Returns the box within `reach` of a position (m), for choosing a frame: not rounded outward.
+    pub(super) fn about(position: DVec3, reach: f64) -> Self {
         Self {
-            low: place - reach,
-            high: place + reach,
+            low: position - reach,
+            high: position + reach,
         }
     }
 }

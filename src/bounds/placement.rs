@@ -12,7 +12,7 @@ pub(crate) struct FramePlacement {
     /// Ratio of the cubics' unit to the frame's.
     pub(super) factor: f32,
     /// Position of the anchor in the frame.
-    pub(super) place: Vec4,
+    pub(super) origin: Vec4,
     /// Position of the anchor, plus the extremes of the hitbox.
     pub(super) low: Vec4,
     pub(super) high: Vec4,
@@ -26,7 +26,7 @@ impl FramePlacement {
     pub(super) const NONE: Self = Self {
         anchor: Frame::OF_NOTHING,
         factor: 1.0,
-        place: Vec4::ZERO,
+        origin: Vec4::ZERO,
         low: Vec4::ZERO,
         high: Vec4::ZERO,
         reach: 0.0,
@@ -43,10 +43,10 @@ impl FramePlacement {
     /// Returns the placement of cubics with coordinates up to `size`, as far as that is known.
     pub(super) fn new(anchor: Frame, size: f64, padding: &Padding, frame: &Frame) -> Self {
         let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
-        let place = lanes((anchor.origin - frame.origin) * frame.power);
+        let origin = lanes((anchor.origin - frame.origin) * frame.power);
         let factor = frame.power / anchor.power;
         let largest =
-            f64::from(place.abs().max_element()) + size * factor + f64::from(padding.size);
+            f64::from(origin.abs().max_element()) + size * factor + f64::from(padding.size);
         if largest.is_nan() || largest >= FAR {
             return Self::ANYWHERE;
         }
@@ -58,9 +58,9 @@ impl FramePlacement {
                 ..anchor
             },
             factor,
-            place,
-            low: place + padding.low,
-            high: place + padding.high,
+            origin,
+            low: origin + padding.low,
+            high: origin + padding.high,
             reach: padding.reach,
             // What underflows on either side of the factor is below a smallest normal number.
             steady: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE * factor.max(1.0),
@@ -76,7 +76,7 @@ impl FramePlacement {
         Self {
             anchor: *frame,
             factor: 1.0,
-            place: Vec4::ZERO,
+            origin: Vec4::ZERO,
             low: padding.low,
             high: padding.high,
             reach: padding.reach,

@@ -109,10 +109,10 @@ mod tests {
             let begin = [0.0, 1.7e9][usize::from(rng.random_bool(0.5))];
             let mut vector =
                 |half: f64| DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
-            let (place, velocity) = (vector(far), vector(size / duration));
+            let (position, velocity) = (vector(far), vector(size / duration));
             let state = |time: f64, bend: DVec3| {
-                let place = place + velocity * (time - begin);
-                State::new(time, place, velocity + bend)
+                let position = position + velocity * (time - begin);
+                State::new(time, position, velocity + bend)
             };
             let bends = [0, 1].map(|_| vector(bend * size / duration));
             Self {
@@ -146,7 +146,7 @@ mod tests {
         }
 
         /// Returns the position in a frame, in double-double and rounded once.
-        fn place(&self, time: f64, frame: &Frame) -> DVec3 {
+        fn position(&self, time: f64, frame: &Frame) -> DVec3 {
             let [first, last] = &self.states;
             let since = |state: &State| DoubleDouble::difference(time, state.time);
             let exact = DoubleDouble::from;
@@ -154,7 +154,7 @@ mod tests {
                 exact(state.position[axis]) + exact(state.velocity[axis]) * since(state)
             };
             let duration = DoubleDouble::difference(last.time, first.time);
-            let place = |axis: usize| match self.outside {
+            let position = |axis: usize| match self.outside {
                 Outside::Coast if time < first.time => straight(first, axis),
                 Outside::Coast if time > last.time => straight(last, axis),
                 // The straight motion through both, and what both velocities add to it.
@@ -172,8 +172,8 @@ mod tests {
                 }
             };
             let in_frame = |axis: usize| {
-                let place = place(axis) + exact(-frame.origin[axis]);
-                (place * exact(frame.power)).rounded()
+                let position = position(axis) + exact(-frame.origin[axis]);
+                (position * exact(frame.power)).rounded()
             };
             DVec3::from_array([0, 1, 2].map(in_frame))
         }
@@ -245,7 +245,7 @@ mod tests {
                     let ends = (pieces.knots[number], pieces.knots[number + 1]);
                     let piece = source.piece::<true>(number);
                     let [p0, p1, p2, p3] = piece.points;
-                    let at = source.placement.place;
+                    let at = source.placement.origin;
                     let rounding = piece.rounding() + source.placement.steady;
                     let rounding = rounding + at.abs() * (6.0 * ROUNDING);
                     let low = at + p0.min(p1).min(p2.min(p3)) - rounding;
@@ -253,8 +253,8 @@ mod tests {
                     let [low, high] = [low, high].map(|edge| wide(edge.truncate().to_array()));
                     let error = segment.restrict(ends.0, ends.1).error * frame.power;
                     for step in 0..=4 {
-                        let place = flight.place(between(ends, f64::from(step) / 4.0), frame);
-                        let room = (place - low).min(high - place).min_element();
+                        let position = flight.position(between(ends, f64::from(step) / 4.0), frame);
+                        let room = (position - low).min(high - position).min_element();
                         assert!(room >= SEEN * error, "{round} {number} {room} {error}");
                         tightest = tightest.min(room / error);
                     }
@@ -265,12 +265,15 @@ mod tests {
                     let [low, high] = [aabb.mins, aabb.maxs].map(|edge| wide(edge.to_array()));
                     for step in 0..=4 {
                         let time = between(ends, f64::from(step) / 4.0);
-                        let place = flight.place(time, frame);
+                        let position = flight.position(time, frame);
                         // Instants may be coarse.
                         let share = (time - ends.0) / (ends.1 - ends.0).max(f64::MIN_POSITIVE);
                         let line = wide(fat_line.start) + share * wide(fat_line.change);
-                        let deviation = place.distance(line);
-                        assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+                        let deviation = position.distance(line);
+                        assert!(
+                            low.cmple(position).all() && high.cmpge(position).all(),
+                            "{round}"
+                        );
                         assert!(
                             deviation <= f64::from(fat_line.radius),
                             "{round} {deviation} {fat_line:?}"
@@ -324,8 +327,8 @@ mod tests {
         const FINE: f64 = 1.0 / 1_048_576.0;
         let turn = |time: f64| {
             let (sine, cosine) = (0.5 * time).sin_cos();
-            let place = DVec3::new(2.0 * cosine, 2.0 * sine, 0.0);
-            State::new(time, place, DVec3::new(-sine, cosine, 0.0))
+            let position = DVec3::new(2.0 * cosine, 2.0 * sine, 0.0);
+            State::new(time, position, DVec3::new(-sine, cosine, 0.0))
         };
         let straight = |time: f64| State::new(time, DVec3::X * time, DVec3::X);
         let flights = [[turn(0.0), turn(0.2)], [straight(0.0), straight(0.2)]];
@@ -343,8 +346,8 @@ mod tests {
                         let mut way = DAabb::NOTHING;
                         for step in 0..=16 {
                             let time = ends[0] + (ends[1] - ends[0]) * f64::from(step) / 16.0;
-                            let place = flight.place(time, frame);
-                            way.include(DAabb::about(place, 0.0));
+                            let position = flight.position(time, frame);
+                            way.include(DAabb::about(position, 0.0));
                         }
                         let aabb = &slice.boxes[0].aabb;
                         let size = f64::from(aabb.extents().max_element());

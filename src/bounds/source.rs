@@ -15,7 +15,7 @@ use std::slice::from_ref;
 
 /// A cubic from which bounds are formed.
 pub(crate) trait BoundingCubic {
-    /// Returns the whole cubic between two knots, relative to the body's place (frame's unit).
+    /// Returns the whole cubic between two knots, relative to the body's anchor (frame's unit).
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
@@ -81,8 +81,8 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
 
     /// Prefetches a cubic, given its number among those of the plan.
     #[inline(always)]
-    pub(crate) fn fetch(&self, place: usize) {
-        if let Some(cubic) = self.cubics.get(place) {
+    pub(crate) fn fetch(&self, number: usize) {
+        if let Some(cubic) = self.cubics.get(number) {
             prefetch(from_ref(cubic));
         }
     }
@@ -158,7 +158,7 @@ impl<'a, C> CubicSource<'a, C> {
             knots,
             cubics: &[],
             runs: &[],
-            // Not at its state's place, which may be far away if the state is old.
+            // Not anchored at its state, which may be far away if the state is old.
             placement: FramePlacement::of_frame(padding, frame),
         }
     }
@@ -283,10 +283,13 @@ mod tests {
                 .map(|edge| DVec3::new(edge.x.into(), edge.y.into(), edge.z.into()));
             let line = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
             for (share, point) in [(0.0, piece.points[0]), (1.0, piece.points[3])] {
-                let place = origin + point.truncate().as_dvec3();
-                assert!(low.cmple(place).all() && high.cmpge(place).all(), "{round}");
+                let position = origin + point.truncate().as_dvec3();
+                assert!(
+                    low.cmple(position).all() && high.cmpge(position).all(),
+                    "{round}"
+                );
                 let deviation =
-                    place.distance(line(fat_line.start) + share * line(fat_line.change));
+                    position.distance(line(fat_line.start) + share * line(fat_line.change));
                 assert!(
                     deviation <= f64::from(fat_line.radius),
                     "{deviation} {fat_line:?}"

@@ -6,7 +6,7 @@ use crate::rounding::UNIT_ROUNDOFF;
 use crate::trajectory::StraightMotion;
 use glam::{DVec3, Vec4};
 
-/// Part of a straight motion: its ends, relative to a body's place, in the frame's unit.
+/// Part of a straight motion: its ends, relative to a body's anchor, in the frame's unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StraightPart {
     pub(super) first: Vec4,

@@ -14,7 +14,7 @@ pub(crate) struct StraightPieces<'a> {
     pub(super) knots: &'a [f64],
     /// Number of the first motion among the body's cubics.
     pub(super) before: usize,
-    /// The frame of the body's place.
+    /// The frame to which coordinates are relative.
     pub(super) anchor: Frame,
 }
 
@@ -86,8 +86,8 @@ mod tests {
         let mut vector =
             |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
         let mut motion = |told: f64| {
-            let (place, velocity) = (vector(far), vector(20.0));
-            let state = State::new(told - age, place - age * velocity, velocity);
+            let (position, velocity) = (vector(far), vector(20.0));
+            let state = State::new(told - age, position - age * velocity, velocity);
             Trajectory::coasting_motion(&state).unwrap_or_else(|_| unreachable!("it is usable"))
         };
         let mut flown = Trajectory::of_straight(motion(-1.0));
@@ -106,7 +106,7 @@ mod tests {
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
-    /// solver's error around it: also where its states are old, and their way cancels with their place.
+    /// solver's error around it: also where its states are old, and their way cancels with their position.
     #[test]
     fn motions_told_one_after_another_are_held() {
         const SEEN: f64 = 2.25;
@@ -152,9 +152,9 @@ mod tests {
                     let motion =
                         &flown.straight_motions()[piece.min(flown.straight_motions().len() - 1)];
                     let since = number(time) - number(motion.start());
-                    let place = Exact::of(motion.origin())
+                    let position = Exact::of(motion.origin())
                         .plus(&Exact::of(motion.velocity()).times(&since));
-                    let place = place.minus(&Exact::of(frame.origin));
+                    let position = position.minus(&Exact::of(frame.origin));
                     let moved = Exact::of(common).times(&(number(time) - number(ends[0])));
                     let error = motion.segment().restrict(time, time).error;
                     let inside = |seen: f64| {
@@ -163,7 +163,7 @@ mod tests {
                             DVec3::new(corner.x.into(), corner.y.into(), corner.z.into())
                         });
                         let middle = (low + high) * 0.5;
-                        let relative = place.minus(&moved).minus(&Exact::of(middle));
+                        let relative = position.minus(&moved).minus(&Exact::of(middle));
                         relative.is_within_box((high - low) * 0.5 - room)
                     };
                     assert!(inside(SEEN), "{round} {time} {flown:?}");
@@ -176,7 +176,7 @@ mod tests {
                     let on_line = Exact::of(lane(line.start))
                         .plus(&Exact::of(lane(line.change)).times(&number(share)));
                     assert!(
-                        place.minus(&on_line).is_within(line.radius.into()),
+                        position.minus(&on_line).is_within(line.radius.into()),
                         "{round} {time}"
                     );
                 }

@@ -5,7 +5,7 @@ use super::slice_interval::SliceInterval;
 use super::{ROUNDING, nearest};
 use glam::Vec4;
 
-/// A cubic or a part of one: control points relative to a body's place, in the frame's unit.
+/// A cubic or a part of one: control points relative to a body's anchor, in the frame's unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubCubic {
     pub(super) points: [Vec4; 4],
@@ -23,7 +23,7 @@ impl SubCubic {
     ///
     /// Coordinates: one per point of a compact trajectory. A split has three levels of de Casteljau, each
     /// with one rounding of its sum. Two more for the sums of a box, or three for the line of a fat
-    /// line and one for its place, and one spare.
+    /// line and one for its origin, and one spare.
     ///
     /// Spread: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
@@ -142,8 +142,8 @@ mod tests {
             let far = [0.0, 1e4][round % 2];
             let mut vector =
                 |half: f32| Vec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)));
-            let place = vector(far);
-            let points = [0; 4].map(|_| (place + vector(1.0)).extend(0.0));
+            let position = vector(far);
+            let points = [0; 4].map(|_| (position + vector(1.0)).extend(0.0));
             let exact = points.map(|point| Exact::of(wide(point)));
             let spread = points.map(|point| wide(point).distance(wide(points[0])));
             let whole = SubCubic {

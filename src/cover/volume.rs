@@ -107,13 +107,13 @@ impl LineGrid {
         }
         for (within, mut crossed) in self.within.iter_mut().zip(crossings.within) {
             crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (mut turns, mut start) = (0.0, 0.0);
-            for (height, turn) in crossed {
-                if turns == 0.0 {
+            let (mut winding, mut start) = (0.0, 0.0);
+            for (height, sign) in crossed {
+                if winding == 0.0 {
                     start = height;
                 }
-                turns += turn;
-                if turns == 0.0 {
+                winding += sign;
+                if winding == 0.0 {
                     within.push((start, height));
                 }
             }
@@ -124,7 +124,7 @@ impl LineGrid {
     fn add_crossings(&mut self, corners: [DVec3; 3]) {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
-        let turn = normal.z.signum();
+        let sign = normal.z.signum();
         if normal.z.abs() <= 0.0 {
             return;
         }
@@ -141,10 +141,10 @@ impl LineGrid {
                 }
             };
             let sides = [is_left(a, b), is_left(b, c), is_left(c, a)];
-            if sides.iter().all(|&side| side == (turn > 0.0)) {
+            if sides.iter().all(|&side| side == (sign > 0.0)) {
                 let from = (at - a).truncate();
                 let height = a.z - from.dot(normal.truncate()) / normal.z;
-                within.push((height, turn));
+                within.push((height, sign));
             }
         });
     }

@@ -5,7 +5,7 @@ use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
 
-/// A quadratic `base + slope x + bend x²` below the squared distance, x in 0..=1 from the base.
+/// A quadratic `base + slope x + leading x²` below the squared distance, x in 0..=1 from the base.
 ///
 /// Valid for the computed control points, if those of the whole cubic lie within 1e-50..1e50.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ pub(crate) struct Minorant {
     /// Computed squared norm at the base (relative error 3u).
     pub(crate) base: f64,
     slope: f64,
-    bend: f64,
+    leading: f64,
     /// Lower bound of the squared distance's Bernstein coefficients minus its value at the base.
     floor: f64,
 }
@@ -37,9 +37,9 @@ impl Minorant {
         // rounding of these bounds themselves.
         let first_error = 6.3 * UNIT_ROUNDOFF * product + TINY;
         let error = UNIT_ROUNDOFF * (22.0 * product + 11.5 * reach) + TINY;
-        // The bend takes at most 15 times that of a coefficient, and 4 roundings of terms of
-        // 54 m A + 9 A² in sum.
-        let bend_error = UNIT_ROUNDOFF * (530.0 * product + 200.0 * reach) + 16.0 * TINY;
+        // The leading coefficient's error is at most 15 times that of a Bernstein coefficient, and 4 roundings of
+        // terms of 54 m A + 9 A² in sum.
+        let leading_error = UNIT_ROUNDOFF * (530.0 * product + 200.0 * reach) + 16.0 * TINY;
 
         let e1 = a1 - first_error;
         let e2 = (2.0 * a2 + 6.0 * a1 + 3.0 * g11) * 0.2;
@@ -49,7 +49,7 @@ impl Minorant {
         let e6 = 2.0 * a3 + g33;
 
         let slope = 6.0 * e1;
-        let bend = (15.0 * (e2 - 2.0 * e1))
+        let leading = (15.0 * (e2 - 2.0 * e1))
             .or_less(5.0 * (e3 - 3.0 * e1))
             .or_less(2.5 * (e4 - 4.0 * e1))
             .or_less(1.5 * (e5 - 5.0 * e1))
@@ -58,7 +58,7 @@ impl Minorant {
         Self {
             base,
             slope,
-            bend: bend - bend_error,
+            leading: leading - leading_error,
             floor: (least - error).or_less(e1),
         }
     }
@@ -66,11 +66,11 @@ impl Minorant {
     /// Returns a lower bound of the squared distance over the part; may be negative.
     #[inline(always)]
     pub(crate) fn lower(&self) -> f64 {
-        let (slope, bend) = (self.slope, self.bend);
+        let (slope, leading) = (self.slope, self.leading);
         // Both are formed: a choice of results makes no branch.
-        let at_vertex = slope * (slope / (4.0 * bend)) + TINY;
-        let at_end = (-(slope + bend)).or_more(0.0);
-        let is_inside = (slope < 0.0) & (bend > 0.0) & (-slope <= 2.0 * bend);
+        let at_vertex = slope * (slope / (4.0 * leading)) + TINY;
+        let at_end = (-(slope + leading)).or_more(0.0);
+        let is_inside = (slope < 0.0) & (leading > 0.0) & (-slope <= 2.0 * leading);
         let by_quadratic = if is_inside { at_vertex } else { at_end };
         let sink = by_quadratic.or_less((-self.floor).or_more(0.0));
         // Two roundings of the quadratic or one of the chord, two of the product, one of the difference.
@@ -80,21 +80,21 @@ impl Minorant {
     /// Returns an x beyond which the squared distance is certainly above `level`, or 1 if unknown.
     #[inline]
     pub(super) fn parameter_bound(&self, level: f64) -> f64 {
-        let (slope, bend) = (self.slope, self.bend);
+        let (slope, leading) = (self.slope, self.leading);
         let base = self.base * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY;
         // Room above the base; the quadratic exceeds it beyond its larger root.
         let gap = (level - base).or_more(TINY);
-        let x = if bend > 0.0 {
-            // sqrt(slope² + 4 bend gap) <= |slope| + 2 sqrt(bend gap), and each term alone holds.
-            let by_bend = (gap / bend).sqrt();
+        let x = if leading > 0.0 {
+            // sqrt(slope² + 4 leading gap) <= |slope| + 2 sqrt(leading gap), and each term alone holds.
+            let by_leading = (gap / leading).sqrt();
             if slope >= 0.0 {
-                by_bend.or_less(gap / slope)
+                by_leading.or_less(gap / slope)
             } else {
-                by_bend - slope / bend
+                by_leading - slope / leading
             }
         } else {
             // Concave: above the chord to its value at 1.
-            let chord = slope + bend;
+            let chord = slope + leading;
             if chord > 0.0 { gap / chord } else { 1.0 }
         };
         // Five roundings at most, and two of what this is multiplied by. NaN (0/0) and infinity answer 1.
@@ -156,12 +156,12 @@ mod tests {
             }
             let polygon = points.map(|[x, y, z]| DVec3::new(x as f64, y as f64, z as f64));
             let found = Minorant::of(&polygon);
-            let [slope, bend, floor] =
-                [found.slope, found.bend, found.floor].map(|x| x.floor() as i128);
+            let [slope, leading, floor] =
+                [found.slope, found.leading, found.floor].map(|x| x.floor() as i128);
             for (k, tenfold) in (1..).zip(exact_differences(&points)) {
                 assert!(10 * floor <= tenfold, "floor above e{k}: {points:?}");
                 // c1 k/6 + c2 k(k-1)/30 <= ek, times 300.
-                let quadratic = 10 * (5 * k * slope + k * (k - 1) * bend);
+                let quadratic = 10 * (5 * k * slope + k * (k - 1) * leading);
                 assert!(
                     quadratic <= 30 * tenfold,
                     "quadratic above e{k}: {points:?}"

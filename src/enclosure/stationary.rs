@@ -37,7 +37,7 @@ pub(super) fn stationary_reach(points: &ControlPolygon, error: f64, range: f64) 
     // Half the slope of the squared distance at the base: value and error.
     let slope = 3.0 * k0.dot(d1).abs() + error * u1 + u0 * e1;
     // Half its second derivative: |h'|² + h·h'', less what the error and the range can take away.
-    let bend = 9.0 * d1.dot(d1) + 6.0 * k0.dot(second);
+    let slope_change = 9.0 * d1.dot(d1) + 6.0 * k0.dot(second);
     let uncertain = 2.0 * u1 * e1 + error * u2 + u0 * e2;
     let (v0, v1, v2) = (
         u0 + range * (u1 + range * (u2 + range * u3)),
@@ -45,7 +45,7 @@ pub(super) fn stationary_reach(points: &ControlPolygon, error: f64, range: f64) 
         u2 + range * u3,
     );
     let lost = range * (3.0 * v1 * v2 + v0 * u3);
-    let certain = bend - (uncertain + lost) * SLACK - TINY;
+    let certain = slope_change - (uncertain + lost) * SLACK - TINY;
     if certain > 0.0 {
         (slope / certain * SLACK + TINY).or_less(range)
     } else {

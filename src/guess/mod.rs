@@ -278,12 +278,12 @@ pub(crate) fn long_step<R: Real>(derivatives: &[Vector<R>; 4]) -> R {
 
 /// Returns half the slope of the squared distance, its derivative, and half the second one.
 #[inline(always)]
-fn slopes<R: Real>([position, velocity, bend, twist]: &[Vector<R>; 4]) -> [R; 3] {
+fn slopes<R: Real>([position, velocity, quadratic, cubic]: &[Vector<R>; 4]) -> [R; 3] {
     let (two, three) = (R::from_f64(2.0), R::from_f64(3.0));
     [
         dot(*position, *velocity),
-        dot(*velocity, *velocity) + two * dot(*position, *bend),
-        three * (dot(*velocity, *bend) + dot(*position, *twist)),
+        dot(*velocity, *velocity) + two * dot(*position, *quadratic),
+        three * (dot(*velocity, *quadratic) + dot(*position, *cubic)),
     ]
 }
 

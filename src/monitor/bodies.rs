@@ -20,7 +20,7 @@ use std::slice::from_ref;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyTable<'m> {
     pub(super) scene: &'m Scene,
-    pub(super) flights: &'m MonitoredBodies,
+    pub(super) monitored: &'m MonitoredBodies,
     pub(super) frame: &'m MovingFrame,
     /// Length of the slices in which all bodies are searched from nothing, s.
     pub(super) search_length: f64,
@@ -35,7 +35,7 @@ impl Bodies for BodyTable<'_> {
 
     fn fetch(&self, body: u32) {
         self.scene.prefetch(body);
-        self.flights.prefetch(body);
+        self.monitored.prefetch(body);
     }
 }
 
@@ -68,13 +68,13 @@ impl<'m> BodyTable<'m> {
     /// Returns the bodies of a scene in the frame of a grid, for pairs within a margin (m).
     pub(super) const fn of(
         scene: &'m Scene,
-        flights: &'m MonitoredBodies,
+        monitored: &'m MonitoredBodies,
         grid: &'m Grid,
         margin: f64,
     ) -> Self {
         Self {
             scene,
-            flights,
+            monitored,
             frame: &grid.frame,
             search_length: grid.search_length,
             margin,
@@ -83,7 +83,7 @@ impl<'m> BodyTable<'m> {
 
     /// Returns the body in a slot.
     pub(super) fn get(&self, slot: u32) -> Option<BodyView<'m>> {
-        self.flights.view(self.scene, slot)
+        self.monitored.view(self.scene, slot)
     }
 
     /// Returns the heights of a body between two instants (s) along a normal, if they are known at once.
@@ -94,8 +94,8 @@ impl<'m> BodyTable<'m> {
         interval: (f64, f64),
         normal: DVec3,
     ) -> Option<HeightRange> {
-        let (flight, body) = self.flights.known(self.scene, slot)?;
-        let is_extended = flight.knots(&body.trajectory).are_extended();
+        let (monitored, body) = self.monitored.known(self.scene, slot)?;
+        let is_extended = monitored.knots(&body.trajectory).are_extended();
         let (_, entry) = self.scene.in_slot(slot)?;
         HeightRange::of(entry, is_extended, interval, normal)
     }
@@ -103,12 +103,12 @@ impl<'m> BodyTable<'m> {
     /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
     #[inline(always)]
     pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
-        let known = self.flights.known(self.scene, slot);
-        match known.filter(|(flight, _)| flight.has_partner) {
-            Some((flight, body)) => {
+        let known = self.monitored.known(self.scene, slot);
+        match known.filter(|(monitored, _)| monitored.has_partner) {
+            Some((monitored, body)) => {
                 let plan = &body.trajectory;
-                let cubics = (flight.knots(plan), plan.cubics());
-                CubicSource::plain(cubics, &flight.padding, self.frame)
+                let cubics = (monitored.knots(plan), plan.cubics());
+                CubicSource::plain(cubics, &monitored.padding, self.frame)
             }
             None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, self.frame),
         }

@@ -32,9 +32,9 @@ impl Monitor {
         ids.first().copied().ok_or(Error::SceneFull)
     }
 
-    fn put(&mut self, body: Body, flight: MonitoredBody) -> Result<BodyId, Error> {
+    fn put(&mut self, body: Body, monitored: MonitoredBody) -> Result<BodyId, Error> {
         let id = self.scene.insert(body)?;
-        self.place(id, Some(flight));
+        self.register(id, Some(monitored));
         self.watch_plan_end(id);
         Ok(id)
     }
@@ -53,7 +53,7 @@ impl Monitor {
 
     fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
-        self.place(id, None);
+        self.register(id, None);
         self.plan_ends.set(id.slot, f64::INFINITY);
         push_once(&mut self.removed, id.slot);
         Ok(body)
@@ -253,7 +253,7 @@ impl Monitor {
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
         #[cfg(feature = "recording")]
-        if self.tape.is_some() {
+        if self.recorder.is_some() {
             let commands: Vec<Command> = commands.into_iter().collect();
             let record = Record::Apply(commands.clone());
             let ids = self.carry_out(commands)?;
@@ -268,7 +268,7 @@ impl Monitor {
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
         let mut batch = std::mem::take(&mut self.batch);
-        let context = self.terms()?;
+        let context = self.change_context()?;
         let ids = match batch.work_out(&self.scene, commands, &context) {
             Ok(()) => self.take_over(&mut batch),
             Err(error) => Err(error),
@@ -290,7 +290,7 @@ impl Monitor {
         for place in 0..batch.changed.len() {
             if let Some(later) = batch.changed.get(place + CommandBatch::AHEAD) {
                 self.scene.prefetch(later.id.slot);
-                self.search.flights.prefetch(later.id.slot);
+                self.search.monitored.prefetch(later.id.slot);
             }
             let change = &mut batch.changed[place];
             let id = change.id;
@@ -322,11 +322,11 @@ impl Monitor {
             if let Some(model_error) = change.model_error {
                 self.scene.set_model_error(id, model_error)?;
             }
-            self.place(id, change.flight.take());
+            self.register(id, change.monitored.take());
         }
         let inserted = batch.inserted.drain(..);
         inserted
-            .map(|(body, flight)| self.put(body, flight))
+            .map(|(body, monitored)| self.put(body, monitored))
             .collect()
     }
 
@@ -370,7 +370,7 @@ impl Monitor {
     }
 
     /// Returns the context in which changes are prepared now.
-    pub(super) fn terms(&self) -> Result<ChangeContext<'_>, Error> {
+    pub(super) fn change_context(&self) -> Result<ChangeContext<'_>, Error> {
         let end = self.search.laid_out(self.now + self.lookahead);
         Ok(ChangeContext {
             margin_and_frame: self.search.margin_and_frame(),
@@ -382,11 +382,11 @@ impl Monitor {
 
     /// Prepares all bodies for a search that knows none yet.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
-        let context = self.terms()?;
+        let context = self.change_context()?;
         let bodies = self.scene.bodies();
-        let flights = bodies.map(|(id, body)| Ok((id, context.flight_of(body)?)));
-        for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
-            self.search.set(id.slot, Some(flight));
+        let prepared = bodies.map(|(id, body)| Ok((id, context.monitored_body_of(body)?)));
+        for (id, monitored) in prepared.collect::<Result<Vec<_>, Error>>()? {
+            self.search.set(id.slot, Some(monitored));
         }
         self.search.find_partners(&self.scene, None);
         Ok(())
@@ -445,7 +445,7 @@ impl Monitor {
         id: BodyId,
         (from, motion): (f64, &StraightMotion),
     ) -> Result<(), Error> {
-        let context = self.terms()?;
+        let context = self.change_context()?;
         let (window, since) = (context.window, context.forget_before);
         let flown = self.scene.replace_motion(id, (from, motion, since))?;
         self.search.replan(id.slot, flown, window)?;
@@ -463,9 +463,9 @@ impl Monitor {
         self.reschedule.changes += count;
     }
 
-    pub(super) fn place(&mut self, id: BodyId, flight: Option<MonitoredBody>) {
+    pub(super) fn register(&mut self, id: BodyId, monitored: Option<MonitoredBody>) {
         self.count_change();
-        self.search.set(id.slot, flight);
+        self.search.set(id.slot, monitored);
         self.search.find_partners(&self.scene, Some(id.slot));
     }
 

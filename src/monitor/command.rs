@@ -62,14 +62,14 @@ pub(super) struct ChangeContext<'m> {
 
 impl ChangeContext<'_> {
     /// Returns the monitored body of a plan over the lookahead.
-    pub(super) fn flight(
+    pub(super) fn monitored_body(
         &self,
         trajectory: &Trajectory,
         shape: BodyShape<'_>,
         tag: u64,
     ) -> Result<MonitoredBody, Error> {
-        let flight = MonitoredBody::of(trajectory, shape, self.margin_and_frame, self.window);
-        flight.map_err(|error| error.in_body(tag))
+        let monitored = MonitoredBody::of(trajectory, shape, self.margin_and_frame, self.window);
+        monitored.map_err(|error| error.in_body(tag))
     }
 
     /// Returns the instant from which a body follows a plan requested from `from` on, s. If `from`
@@ -99,9 +99,9 @@ impl ChangeContext<'_> {
     }
 
     /// Returns the monitored body of a body with its current plan.
-    pub(super) fn flight_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
+    pub(super) fn monitored_body_of(&self, body: &Body) -> Result<MonitoredBody, Error> {
         Body::check_turning(&body.hitbox, &body.orientation, body.tag)?;
-        self.flight(&body.trajectory, body.shape(), body.tag)
+        self.monitored_body(&body.trajectory, body.shape(), body.tag)
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) struct PendingChange {
     first: usize,
     last: usize,
     /// The body as the search sees it; none once taken, and for removed bodies.
-    pub(super) flight: Option<MonitoredBody>,
+    pub(super) monitored: Option<MonitoredBody>,
     refusal: Option<Rejection>,
 }
 
@@ -233,8 +233,8 @@ impl CommandBatch {
         let refuse = |error| (number, error);
         let id = match command {
             Command::Insert(body) => {
-                let flight = context.flight_of(&body).map_err(refuse)?;
-                self.inserted.push((body, flight));
+                let monitored = context.monitored_body_of(&body).map_err(refuse)?;
+                self.inserted.push((body, monitored));
                 return Ok(());
             }
             Command::IgnorePair(a, b) => {
@@ -358,7 +358,7 @@ impl PendingChange {
             model_error: None,
             first: command,
             last: command,
-            flight: None,
+            monitored: None,
             refusal: None,
         }
     }
@@ -467,8 +467,8 @@ impl PendingChange {
             let shape = BodyShape::new(hitbox, orientation.turning(), model_error);
             let turns = Body::check_turning(hitbox, orientation, body.tag);
             turns.map_err(|error| (self.last, error.with_id(self.id)))?;
-            let flight = context.flight(trajectory, shape, body.tag);
-            self.flight = Some(flight.map_err(|error| (self.last, error.with_id(self.id)))?);
+            let monitored = context.monitored_body(trajectory, shape, body.tag);
+            self.monitored = Some(monitored.map_err(|error| (self.last, error.with_id(self.id)))?);
         }
         Ok(())
     }

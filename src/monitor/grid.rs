@@ -79,14 +79,14 @@ impl SceneSignature {
         velocity: DVec3,
     ) -> Self {
         let mut speeds = [0.0; Scene::SAMPLE];
-        let mut places = [DVec3::ZERO; Scene::SAMPLE];
+        let mut positions = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
         for entry in scene.sample((from, from + lookahead)) {
             let plan = &entry.body.trajectory;
             let (first, last) = (plan.domain().start(), plan.domain().end());
             let [early, late] =
                 [from, from + 0.5 * lookahead].map(|time| time.max(first).min(last));
-            let (Some(place), Some(v), Some(w)) = (
+            let (Some(position), Some(v), Some(w)) = (
                 plan.position(early),
                 plan.velocity(early),
                 plan.velocity(late),
@@ -94,14 +94,14 @@ impl SceneSignature {
                 continue;
             };
             speeds[count] = (v - velocity).length().max((w - velocity).length());
-            places[count] = place;
+            positions[count] = position;
             count += 1;
         }
         let (mut slices, mut middle) = (0.0, DAabb::NOTHING);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
             let mut spacing = 1.0;
-            middle = DAabb::of_middle_half(&mut places[..count]);
+            middle = DAabb::of_middle_half(&mut positions[..count]);
             for extent in (middle.high - middle.low).to_array() {
                 spacing *= (2.0 * extent).max(reach).cbrt();
             }

@@ -11,7 +11,7 @@ use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::HeightRange;
 use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
@@ -78,8 +78,8 @@ impl HalfSpaceSearch {
         (found, most): (&mut Vec<SpanKey>, usize),
     ) -> Result<f64, LimitExceeded> {
         let most = found.len().saturating_add(most);
-        let horizon = seen_until(to);
-        let since = seen_from(from);
+        let horizon = latest_exact(to);
+        let since = earliest_exact(from);
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed.
         let until = to + (to - from);
@@ -118,7 +118,7 @@ impl HalfSpaceSearch {
         let mut known = to;
         for &(since, slot) in &*taken {
             if known < to || meter.is_spent() || filter.gives_up() {
-                known = known.min(seen_from(since).next_down().max(from));
+                known = known.min(earliest_exact(since).next_down().max(from));
                 self.due.set(slot, since);
                 continue;
             }
@@ -208,10 +208,10 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
         since: f64,
     ) -> f64 {
         let [until_a, until_b] = [first, second].map(|slot| {
-            let flight = self.bodies.flights.get(self.bodies.scene, slot);
-            flight.map_or(f64::INFINITY, |(flight, _)| flight.until())
+            let monitored = self.bodies.monitored.get(self.bodies.scene, slot);
+            monitored.map_or(f64::INFINITY, |(monitored, _)| monitored.until())
         });
-        let turns = a.turning.is_some() || b.turning.is_some();
+        let is_turning = a.turning.is_some() || b.turning.is_some();
         let mut spans = spans(&a.knots, &b.knots, since, f64::INFINITY);
         loop {
             let Some(span) = spans.next() else {
@@ -229,7 +229,7 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
                     cubic_a: span.a,
                     cubic_b: span.b,
                 });
-                if turns && span.end > self.ahead {
+                if is_turning && span.end > self.ahead {
                     // Of a span that may last for ever, a part is solved.
                     return self.ahead.max(since.next_up());
                 }

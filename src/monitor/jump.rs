@@ -2,7 +2,7 @@
 //!
 //! A lookahead is cut into slices of equal length, and a clock that moves on by a frame needs one more
 //! of them now and then. A clock that jumps by hours would need thousands, most of them without news. The
-//! time that it passed over is searched once, in pieces that grow as long as they take little work, each
+//! time that it passed over is searched once, in chunks that grow as long as they take little work, each
 //! in slices that suit the bodies there. Results do not depend on these.
 
 use super::budget::BudgetMeter;
@@ -10,7 +10,7 @@ use super::prepared::PreparedBodies;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
 use crate::pool::Pool;
-use crate::rounding::seen_from;
+use crate::rounding::earliest_exact;
 use crate::search::{LimitExceeded, Limits, SearchScratch};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
@@ -28,7 +28,7 @@ struct Progress {
     /// Instant up to which all is searched, s.
     at: f64,
     /// Lengths of the next chunk of the jump and of its slices, s.
-    piece: f64,
+    chunk: f64,
     slice: f64,
 }
 
@@ -36,7 +36,7 @@ impl JumpSearch {
     /// Number of slices below which they are searched one by one.
     const FEW: f64 = 16.0;
 
-    /// Boxes and candidates, and of each body: a piece that takes fewer is followed by one that is twice
+    /// Boxes and candidates, and of each body: a chunk that takes fewer is followed by one that is twice
     /// as long.
     const LITTLE: (usize, usize) = (1 << 15, 8);
 
@@ -61,8 +61,8 @@ impl JumpSearch {
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<Option<f64>, LimitExceeded> {
         let progress = self.progress.get_or_insert(Progress {
-            at: seen_from(from),
-            piece: length,
+            at: earliest_exact(from),
+            chunk: length,
             slice: length,
         });
         let threads = if meter.is_unlimited() {
@@ -76,15 +76,15 @@ impl JumpSearch {
             if meter.is_spent() || progress.at >= until {
                 return Ok(Some(progress.at.max(from)));
             }
-            let end = (progress.at + progress.piece).min(to.min(until));
+            let end = (progress.at + progress.chunk).min(to.min(until));
             let window = (progress.at, end);
             let slices = bodies.cheapest_slices(window, progress.slice, pool);
-            let traffic = bodies.traffic(window);
+            let statistics = bodies.statistics(window);
             let mut counted = Stats::default();
             let search = bodies.search(Window::ALL, limits, (pool, threads));
             search.spans(
                 |scratch| &mut scratch.sweep,
-                (&slices, &traffic),
+                (&slices, &statistics),
                 filter,
                 &|_| {},
                 (&mut *found, &mut counted),
@@ -101,7 +101,7 @@ impl JumpSearch {
             progress.slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
             let factor = if work < little { 2.0 } else { 0.5 };
-            progress.piece = (factor * progress.piece).max(length);
+            progress.chunk = (factor * progress.chunk).max(length);
         }
         self.progress = None;
         Ok(None)

@@ -29,7 +29,7 @@ use crate::error::Error;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
-use crate::rounding::seen_from;
+use crate::rounding::earliest_exact;
 use crate::scene::Scene;
 use crate::search::{self, FEW_BOXES, Lifetimes, LimitExceeded, SpanSorter};
 use crate::shape::BodyShape;
@@ -47,7 +47,7 @@ use std::sync::atomic::Ordering::Relaxed;
 /// All spans of the lookahead in which a pair may come within the largest margin.
 #[derive(Debug)]
 pub(super) struct LookaheadSearch {
-    pub(super) flights: MonitoredBodies,
+    pub(super) monitored: MonitoredBodies,
     pub(super) solved: SolvedSpans,
     margin: f64,
     pub(super) grid: Grid,
@@ -62,8 +62,8 @@ pub(super) struct LookaheadSearch {
     search_pool: Pool<search::SearchScratch>,
     presence: Lifetimes,
     /// Bodies that changed since the last catching up, each once.
-    dirty: Vec<u32>,
-    is_dirty: Vec<bool>,
+    changed: Vec<u32>,
+    is_changed: Vec<bool>,
     recent: RecentChanges,
     /// Pairs that are ignored since then.
     left_out: Vec<SlotPair>,
@@ -87,7 +87,7 @@ impl LookaheadSearch {
     /// Returns a search for pairs within `margin` (m) on a grid, with room for so many spans.
     pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
         Self {
-            flights: MonitoredBodies::default(),
+            monitored: MonitoredBodies::default(),
             solved: SolvedSpans::default(),
             margin,
             grid,
@@ -100,8 +100,8 @@ impl LookaheadSearch {
             pool: Pool::default(),
             search_pool: Pool::default(),
             presence: Lifetimes::default(),
-            dirty: Vec::new(),
-            is_dirty: Vec::new(),
+            changed: Vec::new(),
+            is_changed: Vec::new(),
             recent: RecentChanges::default(),
             left_out: Vec::new(),
             moved: ChangedBounds::default(),
@@ -120,7 +120,7 @@ impl LookaheadSearch {
 
     /// Returns true if anything has changed since.
     pub(super) const fn has_changed(&self) -> bool {
-        !(self.dirty.is_empty() && self.left_out.is_empty())
+        !(self.changed.is_empty() && self.left_out.is_empty())
     }
 
     /// Returns the largest margin of pairs (m), and the frame of boxes.
@@ -129,13 +129,13 @@ impl LookaheadSearch {
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
-        self.flights.view(scene, slot)
+        self.monitored.view(scene, slot)
     }
 
     /// Replaces the monitored body in a slot (none: it is gone). Its solved spans are dropped, and searched
     /// for again.
-    pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
-        self.flights.set(slot, flight);
+    pub(super) fn set(&mut self, slot: u32, monitored: Option<MonitoredBody>) {
+        self.monitored.set(slot, monitored);
         self.forget(slot);
     }
 
@@ -147,7 +147,7 @@ impl LookaheadSearch {
         trajectory: &Trajectory,
         window: Window,
     ) -> Result<(), Error> {
-        self.flights.replan(slot, trajectory, window)?;
+        self.monitored.replan(slot, trajectory, window)?;
         self.forget(slot);
         Ok(())
     }
@@ -155,7 +155,7 @@ impl LookaheadSearch {
     /// Replaces the shape of the body in a slot. Its solved spans are dropped, and searched for again.
     pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
         let padding = Padding::of(shape, self.margin, &self.grid.frame);
-        self.flights.set_padding(slot, padding);
+        self.monitored.set_padding(slot, padding);
         self.forget(slot);
     }
 
@@ -170,12 +170,12 @@ impl LookaheadSearch {
         };
         if std::mem::replace(&mut self.partners, version) == version {
             if let Some(slot) = slot {
-                self.flights.set_partner(slot, has(slot));
+                self.monitored.set_partner(slot, has(slot));
             }
             return;
         }
-        for slot in (0_u32..).take(self.flights.len()) {
-            if self.flights.set_partner(slot, has(slot)) {
+        for slot in (0_u32..).take(self.monitored.len()) {
+            if self.monitored.set_partner(slot, has(slot)) {
                 self.forget(slot);
             }
         }
@@ -196,17 +196,17 @@ impl LookaheadSearch {
         let mut count = 0;
         for slot in slots {
             let place = slot as usize;
-            if self.is_dirty.len() <= place {
-                self.is_dirty.resize(place + 1, false);
+            if self.is_changed.len() <= place {
+                self.is_changed.resize(place + 1, false);
             }
-            if !std::mem::replace(&mut self.is_dirty[place], true) {
-                self.dirty.push(slot);
+            if !std::mem::replace(&mut self.is_changed[place], true) {
+                self.changed.push(slot);
             }
             self.recent.push(slot);
             count += 1;
         }
-        if self.recent.len() > Self::MANY_CHANGES + 2 * self.dirty.len() {
-            self.recent.reset(&self.dirty);
+        if self.recent.len() > Self::MANY_CHANGES + 2 * self.changed.len() {
+            self.recent.reset(&self.changed);
         }
         count
     }
@@ -216,17 +216,17 @@ impl LookaheadSearch {
         if !self.has_changed() {
             return;
         }
-        let (is_dirty, left_out) = (&self.is_dirty, &mut self.left_out);
-        let is_dirty = |slot: u32| is_dirty.get(slot as usize) == Some(&true);
+        let (is_changed, left_out) = (&self.is_changed, &mut self.left_out);
+        let is_changed = |slot: u32| is_changed.get(slot as usize) == Some(&true);
         left_out.sort_unstable();
         self.solved.forget(|pair| {
             let is_left_out = !left_out.is_empty() && left_out.binary_search(&pair).is_ok();
-            is_dirty(pair.0) || is_dirty(pair.1) || is_left_out
+            is_changed(pair.0) || is_changed(pair.1) || is_left_out
         });
         left_out.clear();
         self.recent.reset(&[]);
-        for &slot in &self.dirty {
-            self.is_dirty[slot as usize] = false;
+        for &slot in &self.changed {
+            self.is_changed[slot as usize] = false;
         }
     }
 
@@ -239,7 +239,7 @@ impl LookaheadSearch {
     /// Extends plans that go on beyond their knots so that they cover a lookahead until `end`.
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
         let end = self.laid_out(end);
-        self.flights.extend_beyond(scene, end)
+        self.monitored.extend_beyond(scene, end)
     }
 
     /// Brings the slices from `from` to `to` up to date, soonest first, as far as the meter lets.
@@ -257,14 +257,14 @@ impl LookaheadSearch {
         stats: &mut Stats,
     ) -> Result<f64, LimitExceeded> {
         self.spread_changes();
-        self.half_spaces.note(&self.flights, &self.dirty);
+        self.half_spaces.note(&self.monitored, &self.changed);
         loop {
             self.survivors.clear();
             let mut known = to;
             if !self.half_spaces.is_idle() {
                 // First: slices, and the search over a jump, go on no farther than half-spaces are known.
                 let begin = Instant::now();
-                let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+                let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
                 let times = (from, to, self.laid_out(to));
                 let found = (&mut self.survivors, self.max_spans);
                 known = self
@@ -274,12 +274,12 @@ impl LookaheadSearch {
             }
             let (compared_until, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
             let complete_until = compared_until.min(known);
-            self.dirty.clear();
+            self.changed.clear();
             let begin = Instant::now();
-            let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+            let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
             self.solved.forget_before(from);
             self.sorter
-                .sort_and_dedup(&mut self.survivors, self.flights.len());
+                .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
             let window = (from, self.laid_out(to));
             stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
@@ -291,7 +291,7 @@ impl LookaheadSearch {
     }
 
     fn bodies<'s>(&'s self, scene: &'s Scene) -> BodyTable<'s> {
-        BodyTable::of(scene, &self.flights, &self.grid, self.margin)
+        BodyTable::of(scene, &self.monitored, &self.grid, self.margin)
     }
 
     /// Looks at what is not up to date from `from` to `to`: lists survivors, as many as are solved at a time.
@@ -325,7 +325,7 @@ impl LookaheadSearch {
             }
         }
         for slice in &mut self.slices {
-            slice.note(&self.dirty);
+            slice.note(&self.changed);
         }
         self.refresh(scene, (from, to), needed, filter, meter, stats)
     }
@@ -341,7 +341,7 @@ impl LookaheadSearch {
         meter: &mut BudgetMeter,
         stats: &mut Stats,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let bodies = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let alone = SliceTask {
             bodies: &bodies,
             filter,
@@ -356,7 +356,7 @@ impl LookaheadSearch {
             let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.last_end) / self.grid.length;
-            let changed = (self.dirty.len(), self.flights.len());
+            let changed = (self.changed.len(), self.monitored.len());
             next.foresee(due_ahead(share, step, changed), last);
         }
         self.last_end = to;
@@ -365,8 +365,8 @@ impl LookaheadSearch {
         if is_parallel {
             let begin = Instant::now();
             let is_boxed = slices[..needed].iter().any(LookaheadSlice::is_placed);
-            let dirty = if is_boxed { &self.dirty[..] } else { &[] };
-            self.moved.form(&bodies, dirty, &self.ends);
+            let changed = if is_boxed { &self.changed[..] } else { &[] };
+            self.moved.form(&bodies, changed, &self.ends);
             stats.bounds_time += begin.elapsed();
             let (moved, first) = (&self.moved, slices[0].number);
             let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
@@ -412,7 +412,7 @@ impl LookaheadSearch {
                 found += slice.survivors.len();
                 if is_needed && !slice.is_fresh(&bodies) {
                     // What is reported at its very start may be found in it.
-                    known = seen_from(start).next_down().max(from).min(to);
+                    known = earliest_exact(start).next_down().max(from).min(to);
                     break;
                 }
             }
@@ -438,8 +438,8 @@ impl LookaheadSearch {
 
     /// Returns when both bodies of a pair exist, s, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
-        let (start_a, end_a) = self.flights.domain(scene, a)?;
-        let (start_b, end_b) = self.flights.domain(scene, b)?;
+        let (start_a, end_a) = self.monitored.domain(scene, a)?;
+        let (start_b, end_b) = self.monitored.domain(scene, b)?;
         let (start, end) = (start_a.max(start_b), end_a.min(end_b));
         (start <= end).then_some((start, end))
     }

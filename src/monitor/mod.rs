@@ -161,7 +161,7 @@ pub struct Monitor {
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
     #[cfg(feature = "recording")]
-    tape: Option<recording::RecordWriter>,
+    recorder: Option<recording::RecordWriter>,
 }
 
 /// Layers and ignored pairs, by slot.
@@ -262,7 +262,7 @@ impl Monitor {
             readings: LevelCaches::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "recording")]
-            tape: None,
+            recorder: None,
             scene,
         };
         monitor.lay_out()?;

@@ -44,7 +44,7 @@ impl MonitoredBody {
         (margin, frame): (f64, &Frame),
         window: Window,
     ) -> Result<Self, Error> {
-        let mut flight = Self {
+        let mut monitored = Self {
             begin: 0.0,
             ends: (0.0, 0.0),
             last: LastMotion::NONE,
@@ -56,8 +56,8 @@ impl MonitoredBody {
             is_half_space: shape.is_half_space(),
             padding: Padding::of(shape, margin, frame),
         };
-        flight.replan(trajectory, window)?;
-        Ok(flight)
+        monitored.replan(trajectory, window)?;
+        Ok(monitored)
     }
 
     /// Takes another plan of the same body over `window`.
@@ -90,8 +90,8 @@ impl MonitoredBody {
         }
     }
 
-    /// Returns true if a motion certainly [replaces](Trajectory::replace_as_usual) the last one at an instant, after what ended
-    /// before another one is dropped (s), and is followed over `window` then.
+    /// Returns true if a motion certainly [replaces](Trajectory::replace_as_usual) the last one at an instant (s), after
+    /// what ended before another one (s) is dropped, and is followed over `window` then.
     #[inline]
     fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
         !self.is_extended && self.last.is_replaced_by(motion, times, self.ends, window)
@@ -183,21 +183,21 @@ impl MonitoredBodies {
         self.by_slot.len()
     }
 
-    pub(super) fn set(&mut self, slot: u32, flight: Option<MonitoredBody>) {
+    pub(super) fn set(&mut self, slot: u32, monitored: Option<MonitoredBody>) {
         let place = slot as usize;
         if self.by_slot.len() <= place {
             self.by_slot.resize_with(place + 1, || None);
         }
-        if let Some(flight) = &flight {
-            self.until = self.until.min(flight.until());
+        if let Some(monitored) = &monitored {
+            self.until = self.until.min(monitored.until());
         }
-        let is_half_space = flight.as_ref().is_some_and(|flight| flight.is_half_space);
+        let is_half_space = monitored.as_ref().is_some_and(|body| body.is_half_space);
         match self.half_spaces.binary_search(&slot) {
             Ok(found) if !is_half_space => drop(self.half_spaces.remove(found)),
             Err(found) if is_half_space => self.half_spaces.insert(found, slot),
             _ => {}
         }
-        self.by_slot[place] = flight;
+        self.by_slot[place] = monitored;
     }
 
     /// Returns the slots of half-spaces, ascending.
@@ -212,9 +212,9 @@ impl MonitoredBodies {
         trajectory: &Trajectory,
         window: Window,
     ) -> Result<(), Error> {
-        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
-            flight.replan(trajectory, window)?;
-            self.until = self.until.min(flight.until());
+        if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
+            monitored.replan(trajectory, window)?;
+            self.until = self.until.min(monitored.until());
         }
         Ok(())
     }
@@ -229,14 +229,14 @@ impl MonitoredBodies {
         times: (f64, f64),
         window: Window,
     ) -> bool {
-        let flight = self.by_slot.get(slot as usize).and_then(Option::as_ref);
-        flight.is_some_and(|flight| flight.is_replaced_by(motion, times, window))
+        let monitored = self.by_slot.get(slot as usize).and_then(Option::as_ref);
+        monitored.is_some_and(|monitored| monitored.is_replaced_by(motion, times, window))
     }
 
     /// Takes another padding of the body in a slot.
     pub(super) fn set_padding(&mut self, slot: u32, padding: Padding) {
-        if let Some(Some(flight)) = self.by_slot.get_mut(slot as usize) {
-            flight.padding = padding;
+        if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
+            monitored.padding = padding;
         }
     }
 
@@ -247,17 +247,17 @@ impl MonitoredBodies {
 
     /// Notes which bodies may be part of a pair; returns true if that has changed for the one in a slot.
     pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
-        let flight = self.by_slot.get_mut(slot as usize);
-        flight.and_then(Option::as_mut).is_some_and(|flight| {
-            std::mem::replace(&mut flight.has_partner, has_partner) != has_partner
+        let monitored = self.by_slot.get_mut(slot as usize);
+        monitored.and_then(Option::as_mut).is_some_and(|monitored| {
+            std::mem::replace(&mut monitored.has_partner, has_partner) != has_partner
         })
     }
 
     /// Returns the slots of bodies that are part of no pair.
     pub(super) fn without_partner(&self) -> impl Iterator<Item = u32> {
-        let flights = (0_u32..).zip(&self.by_slot);
-        flights.filter_map(|(slot, flight)| {
-            let is_alone = flight.as_ref().is_some_and(|flight| !flight.has_partner);
+        let by_slot = (0_u32..).zip(&self.by_slot);
+        by_slot.filter_map(|(slot, monitored)| {
+            let is_alone = monitored.as_ref().is_some_and(|body| !body.has_partner);
             is_alone.then_some(slot)
         })
     }
@@ -265,16 +265,16 @@ impl MonitoredBodies {
     /// Returns when the bodies in some slots exist that may be part of a pair, s, with the number of their cubics;
     /// never, and none, in a slot without one.
     pub(super) fn present(&self, slots: Range<usize>) -> impl Iterator<Item = ((f64, f64), u32)> {
-        self.by_slot[slots].iter().map(|flight| {
-            let Some(flight) = flight else {
+        self.by_slot[slots].iter().map(|monitored| {
+            let Some(monitored) = monitored else {
                 return (Knots::NONE.ends(), 0);
             };
-            let life = if flight.has_partner {
-                flight.ends
+            let life = if monitored.has_partner {
+                monitored.ends
             } else {
                 Knots::NONE.ends()
             };
-            (life, flight.all_cubics())
+            (life, monitored.all_cubics())
         })
     }
 
@@ -290,8 +290,8 @@ impl MonitoredBodies {
 
     /// Fetches what is known of the body in a slot into the caches.
     pub(super) fn prefetch(&self, slot: u32) {
-        if let Some(flight) = self.by_slot.get(slot as usize) {
-            prefetch(from_ref(flight));
+        if let Some(monitored) = self.by_slot.get(slot as usize) {
+            prefetch(from_ref(monitored));
         }
     }
 
@@ -301,8 +301,8 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
-        let (flight, body) = self.known(scene, slot)?;
-        Some((flight, flight.view(&body.trajectory, body.shape())))
+        let (monitored, body) = self.known(scene, slot)?;
+        Some((monitored, monitored.view(&body.trajectory, body.shape())))
     }
 
     /// Returns the body in a slot, with the facts about its plan.
@@ -312,8 +312,8 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, &'s Body)> {
-        let flight = self.by_slot.get(slot as usize)?.as_ref()?;
-        Some((flight, &scene.in_slot(slot)?.1.body))
+        let monitored = self.by_slot.get(slot as usize)?.as_ref()?;
+        Some((monitored, &scene.in_slot(slot)?.1.body))
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
@@ -323,9 +323,9 @@ impl MonitoredBodies {
     /// Returns the interval in which the body in a slot exists, as far back as it is known (s); also beyond
     /// the time up to which it is followed, if it goes on there.
     pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
-        let (flight, view) = self.get(scene, slot)?;
+        let (monitored, view) = self.get(scene, slot)?;
         let (start, end) = view.knots.ends();
-        let is_endless = flight.is_endless;
+        let is_endless = monitored.is_endless;
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }
 
@@ -335,16 +335,16 @@ impl MonitoredBodies {
             return Ok(());
         }
         let mut until = f64::INFINITY;
-        for (flight, slot) in self.by_slot.iter_mut().zip(0_u32..) {
-            let (Some(flight), Some((id, entry))) = (flight, scene.in_slot(slot)) else {
+        for (monitored, slot) in self.by_slot.iter_mut().zip(0_u32..) {
+            let (Some(monitored), Some((id, entry))) = (monitored, scene.in_slot(slot)) else {
                 continue;
             };
             let body = &entry.body;
-            if flight.until() <= end {
-                let done = flight.follow(&body.trajectory, end);
+            if monitored.until() <= end {
+                let done = monitored.follow(&body.trajectory, end);
                 done.map_err(|error| error.in_body(body.tag).with_id(id))?;
             }
-            until = until.min(flight.until());
+            until = until.min(monitored.until());
         }
         self.until = until;
         Ok(())

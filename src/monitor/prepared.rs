@@ -20,7 +20,7 @@ impl<'m> PreparedBodies<'m> {
     /// Lists when all bodies exist, in memory that is given back with [`forget`](Self::forget).
     pub(super) fn of(table: BodyTable<'m>, memory: &mut Lifetimes) -> Self {
         let mut presence = std::mem::take(memory);
-        presence.fill(table.flights.lives());
+        presence.fill(table.monitored.lives());
         Self { table, presence }
     }
 
@@ -34,7 +34,7 @@ impl<'m> PreparedBodies<'m> {
         const SHARE: usize = 1024;
         let mut statistics = SceneStatistics::default();
         let mut presence = std::mem::take(memory);
-        let (flights, count) = (table.flights, table.flights.len());
+        let (monitored, count) = (table.monitored, table.monitored.len());
         if parallel::threads() > 1 && count > 2 * SHARE {
             let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
             // One list alone is shared; the other one is empty.
@@ -45,7 +45,7 @@ impl<'m> PreparedBodies<'m> {
                 SHARE,
                 |share, (lives, _), statistics| {
                     let slots = share * SHARE..share * SHARE + lives.len();
-                    for (life, body) in lives.iter_mut().zip(flights.present(slots)) {
+                    for (life, body) in lives.iter_mut().zip(monitored.present(slots)) {
                         add(statistics, body, window);
                         *life = body.0;
                     }
@@ -56,7 +56,7 @@ impl<'m> PreparedBodies<'m> {
                 statistics.segments += share.segments;
             }
         } else {
-            presence.fill(flights.present(0..count).map(|body| {
+            presence.fill(monitored.present(0..count).map(|body| {
                 add(&mut statistics, body, window);
                 body.0
             }));
@@ -106,7 +106,7 @@ impl<'m> PreparedBodies<'m> {
         length: f64,
         pool: &Pool<SearchScratch>,
     ) -> TimeSlices {
-        let statistics = self.traffic((from, to));
+        let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {
             presence: &self.presence,
@@ -123,9 +123,9 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.
-    pub(super) fn traffic(&self, window: (f64, f64)) -> SceneStatistics {
+    pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
-        let bodies = self.table.flights.cubics();
+        let bodies = self.table.monitored.cubics();
         for (&life, cubics) in self.presence.lives().iter().zip(bodies) {
             add(&mut statistics, (life, cubics), window);
         }

@@ -29,11 +29,11 @@ impl Monitor {
     /// ```
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let mut waiting = self.pending_events.clone();
+        let mut pending_events = self.pending_events.clone();
         let mut encounters: Vec<Saved> =
             self.encounters.iter().map(EncounterTracker::save).collect();
         for saved in &mut encounters {
-            saved.end_of_removed(self.reported, &self.removed, &mut waiting);
+            saved.end_of_removed(self.reported, &self.removed, &mut pending_events);
         }
         Snapshot {
             scene: self.scene.clone(),
@@ -46,8 +46,8 @@ impl Monitor {
             max_spans: self.search.max_spans,
             next_id: self.next_id,
             encounters,
-            waiting,
-            end_told: (0..)
+            pending_events,
+            end_reported: (0..)
                 .take(self.scene.slots())
                 .map(|slot| !self.plan_ends.has(slot))
                 .collect(),
@@ -87,7 +87,7 @@ impl Monitor {
             });
         }
         let contradiction = |problem| Err(Error::Snapshot { problem });
-        let lengths = [snapshot.encounters.len(), snapshot.end_told.len()];
+        let lengths = [snapshot.encounters.len(), snapshot.end_reported.len()];
         if lengths != [levels.len(), monitor.scene.slots()] {
             return contradiction("its lists do not fit its scene");
         }
@@ -97,7 +97,7 @@ impl Monitor {
             return contradiction("its encounters cannot be");
         }
         let mut ids = Vec::new();
-        for event in &snapshot.waiting {
+        for event in &snapshot.pending_events {
             match event.kind {
                 EventKind::Ended(it, _) | EventKind::Withdrawn(it) => ids.push(it.id.0),
                 _ => return contradiction("what waits to be reported is no end"),
@@ -125,10 +125,10 @@ impl Monitor {
         for (number, saved) in snapshot.encounters.into_iter().enumerate() {
             monitor.encounters[number] = EncounterTracker::restored(number, saved);
         }
-        monitor.pending_events = snapshot.waiting;
+        monitor.pending_events = snapshot.pending_events;
         for (slot, _) in (0..)
-            .zip(snapshot.end_told)
-            .filter(|(_, was_told)| *was_told)
+            .zip(snapshot.end_reported)
+            .filter(|(_, was_reported)| *was_reported)
         {
             monitor.plan_ends.set(slot, f64::INFINITY);
         }

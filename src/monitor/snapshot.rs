@@ -24,9 +24,9 @@ pub struct Snapshot {
     pub(super) next_id: u64,
     /// Encounters by level.
     pub(super) encounters: Vec<Saved>,
-    pub(super) waiting: Vec<Event>,
+    pub(super) pending_events: Vec<Event>,
     /// By slot: false only if the plan has an end that is still to be reported.
-    pub(super) end_told: Vec<bool>,
+    pub(super) end_reported: Vec<bool>,
     /// True if another tick at the same time would change nothing.
     pub(super) settled: bool,
 }

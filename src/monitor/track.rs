@@ -63,7 +63,7 @@ impl Monitor {
     ) -> Result<(), Error> {
         let states = states.into_iter().map(|(id, state)| (id, state.into()));
         #[cfg(feature = "recording")]
-        if self.tape.is_some() {
+        if self.recorder.is_some() {
             let states: Vec<(BodyId, BodyState)> = states.collect();
             self.follow_states(now, states.iter().copied())?;
             self.write_down(|| Record::Track(now, states));
@@ -113,15 +113,15 @@ impl Monitor {
                 break;
             }
         }
-        let terms = self.terms()?;
-        if !self.find_usual(now, tracked, &terms) {
+        let context = self.change_context()?;
+        if !self.find_usual(now, tracked, &context) {
             tracked.list_others();
         }
         let others = &mut tracked.others;
         let few = (others.len(), CommandBatch::FEW);
         parallel::for_each_chunk(others, CHUNK, few, |_, some| {
             for other in some {
-                if let Err(error) = self.work_out_change(now, other, &terms) {
+                if let Err(error) = self.work_out_change(now, other, &context) {
                     other.plan = TrackedPlan::Refused(Box::new(error.with_id(other.id)));
                 }
             }
@@ -166,14 +166,14 @@ impl Monitor {
         &self,
         now: f64,
         tracked: &mut TrackedMotions,
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> bool {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
         let few = (tracked.ids.len(), CommandBatch::FEW);
-        let times = (now, terms.forget_before);
+        let times = (now, context.forget_before);
         let is_usual = AtomicBool::new(true);
-        let flights = &self.search.flights;
+        let monitored = &self.search.monitored;
         let TrackedMotions {
             ids,
             motions,
@@ -186,11 +186,11 @@ impl Monitor {
             let (ids, motions) = (&ids[first..], &motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
                 if let Some(later) = ids.get(place + CommandBatch::AHEAD) {
-                    flights.prefetch(later.slot);
+                    monitored.prefetch(later.slot);
                 }
                 let (id, motion) = (ids[place], &motions[place]);
-                *is_replaced =
-                    self.scene.has(id) && flights.is_replaced(id.slot, motion, times, terms.window);
+                *is_replaced = self.scene.has(id)
+                    && monitored.is_replaced(id.slot, motion, times, context.window);
             }
             is_usual.fetch_and(
                 some.iter().all(|is_replaced| *is_replaced),
@@ -217,25 +217,25 @@ impl Monitor {
         &self,
         now: f64,
         change: &mut TrackedChange,
-        terms: &ChangeContext<'_>,
+        context: &ChangeContext<'_>,
     ) -> Result<(), Error> {
         let id = change.id;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let (flown, motion) = (&body.trajectory, change.motion);
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
-        let from = terms.follows_from(flown, &plan(), now);
+        let from = context.follows_from(flown, &plan(), now);
         let from = from.map_err(in_body)?;
         change.plan = if flown.follows(&motion, from) {
             TrackedPlan::Same
-        } else if flown.can_replace(from, &motion, terms.window) {
+        } else if flown.can_replace(from, &motion, context.window) {
             TrackedPlan::InPlace(from)
         } else {
             let mut plan = plan();
-            let done = plan.precede_by(flown, from, terms.forget_before);
+            let done = plan.precede_by(flown, from, context.forget_before);
             done.map_err(in_body)?;
-            let flight = terms.flight(&plan, body.shape(), body.tag)?;
-            TrackedPlan::Replan(Box::new((plan, flight)))
+            let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
+            TrackedPlan::Replan(Box::new((plan, monitored)))
         };
         Ok(())
     }
@@ -243,16 +243,16 @@ impl Monitor {
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
         self.replace_in_place(now, tracked)?;
-        let since = self.terms()?.forget_before;
+        let since = self.change_context()?.forget_before;
         for change in tracked.others.drain(..) {
             let id = change.id;
             match change.plan {
                 TrackedPlan::Same | TrackedPlan::Refused(_) => {}
                 TrackedPlan::InPlace(from) => self.replace_motion(id, (from, &change.motion))?,
                 TrackedPlan::Replan(replanned) => {
-                    let (mut plan, flight) = *replanned;
+                    let (mut plan, monitored) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
-                    self.place(id, Some(flight));
+                    self.register(id, Some(monitored));
                     self.plan_ends.set(id.slot, f64::INFINITY);
                 }
             }
@@ -281,8 +281,8 @@ impl Monitor {
 
     /// Replaces the motions that can be replaced in place.
     fn replace_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
-        let terms = self.terms()?;
-        let (window, since) = (terms.window, terms.forget_before);
+        let context = self.change_context()?;
+        let (window, since) = (context.window, context.forget_before);
         if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
             self.share_replacements((now, since), window, tracked)?;
         } else {
@@ -303,7 +303,7 @@ impl Monitor {
         for (place, is_replaced) in tracked.in_place.iter().enumerate() {
             self.prefetch_motion(&tracked.ids, place);
             if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
-                self.search.flights.prefetch(later.slot);
+                self.search.monitored.prefetch(later.slot);
             }
             if !is_replaced {
                 continue;
@@ -312,7 +312,7 @@ impl Monitor {
             let flown = &mut self.scene.slots_mut()[slot as usize];
             let motion = &tracked.motions[place];
             if let Some(flown) = flown.replace_as_usual((now, motion, since)) {
-                self.search.flights.replan(slot, flown, window)?;
+                self.search.monitored.replan(slot, flown, window)?;
             }
         }
         Ok(())
@@ -328,23 +328,23 @@ impl Monitor {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let slots = self.scene.slots_mut();
-        let (flights, until) = self.search.flights.by_slot_mut();
-        let count = slots.len().min(flights.len());
+        let (by_slot, until) = self.search.monitored.by_slot_mut();
+        let count = slots.len().min(by_slot.len());
         let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
-        let lists = (&mut slots[..count], &mut flights[..count]);
-        parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, flights), end| {
-            for (place, flight) in flights.iter_mut().enumerate() {
+        let lists = (&mut slots[..count], &mut by_slot[..count]);
+        parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, by_slot), end| {
+            for (place, monitored) in by_slot.iter_mut().enumerate() {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
                 }
                 let motion = tracked.in_place(share * SHARE + place);
-                let (Some(motion), Some(flight)) = (motion, flight) else {
+                let (Some(motion), Some(monitored)) = (motion, monitored) else {
                     continue;
                 };
                 let flown = slots[place].replace_as_usual((now, motion, since));
-                let followed = flown.map_or(Ok(()), |flown| flight.replan(flown, window));
+                let followed = flown.map_or(Ok(()), |flown| monitored.replan(flown, window));
                 match (&mut *end, followed) {
-                    (Ok(end), Ok(())) => *end = end.min(flight.until()),
+                    (Ok(end), Ok(())) => *end = end.min(monitored.until()),
                     (_, Err(error)) => *end = Err(error),
                     (Err(_), Ok(())) => {}
                 }

@@ -102,8 +102,8 @@ impl Monitor {
         margin: f64,
         admits: impl Fn(u32) -> bool,
     ) -> Result<Vec<Conflict>, Error> {
-        let flight = self.terms()?.flight(plan, shape, tag)?;
-        let own = flight.view(plan, shape);
+        let monitored = self.change_context()?.monitored_body(plan, shape, tag)?;
+        let own = monitored.view(plan, shape);
         let window = (self.now, self.known);
         if window.1 < window.0 {
             return Ok(Vec::new());
@@ -111,7 +111,7 @@ impl Monitor {
         let mut conflicts = Vec::new();
         self.search.contacts_with(
             &self.scene,
-            (id.slot, &flight, &own),
+            (id.slot, &monitored, &own),
             margin,
             window,
             admits,

@@ -87,8 +87,8 @@ impl Passage {
     /// Returns the squared distance at a share of the slice.
     #[inline]
     fn square_at(&self, share: f64) -> f64 {
-        let place = [0, 1, 2].map(|axis| self.apart[axis] + share * self.change[axis]);
-        dot(place, place)
+        let point = [0, 1, 2].map(|axis| self.apart[axis] + share * self.change[axis]);
+        dot(point, point)
     }
 
     /// Returns true if the two are never near in the slice.

@@ -36,7 +36,7 @@ pub(super) fn lone_pair(a: &BodyView<'_>, b: &BodyView<'_>, span: Span) -> Optio
         b: 0,
         radius_a: sphere_a.radius,
         radius_b: sphere_b.radius,
-        baking: 0.0,
+        path_error: 0.0,
         cubic: RelativeCubic::between(segment_a, segment_b, (span.start, span.end), offset),
     })
 }

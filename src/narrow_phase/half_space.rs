@@ -43,7 +43,7 @@ pub(super) struct SphereAlong {
     /// Bound on their rounding, m.
     pub(super) rounding: f64,
     /// Bound on the distance of a turning centre from its cubic that the radius does not contain, m.
-    pub(super) baking: f64,
+    pub(super) path_error: f64,
 }
 
 /// Returns the pair of a half-space and the sphere that is nearest to it, or `None` if neither body
@@ -175,7 +175,7 @@ impl<'a> PlanePair<'a> {
             radius: 0.0,
             way: [0.0; 4],
             rounding: 0.0,
-            baking: 0.0,
+            path_error: 0.0,
         };
         let (mut least, mut rounding) = (f64::INFINITY, 0.0_f64);
         for (number, sphere) in (0..).zip(self.body.spheres) {
@@ -189,7 +189,7 @@ impl<'a> PlanePair<'a> {
                     radius: sphere.radius,
                     way: [along; 4],
                     rounding: own,
-                    baking: 0.0,
+                    path_error: 0.0,
                 };
             }
         }
@@ -227,7 +227,7 @@ impl<'a> PlanePair<'a> {
             radius_a,
             radius_b,
             // Not zero: the cubic is not the relative motion of the two bodies.
-            baking: sphere.baking.max(f64::MIN_POSITIVE),
+            path_error: sphere.path_error.max(f64::MIN_POSITIVE),
             cubic: RelativeCubic {
                 start: part.start,
                 end: part.end,

@@ -1,7 +1,7 @@
 //! The motion of one body relative to another over a span: differences first, then local.
 
 use crate::enclosure::{UncertainCubic, part};
-use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, seen_until};
+use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, latest_exact, norm};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -159,7 +159,7 @@ impl RelativeCubic {
 fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
     let speed = 3.0 * largest_norm(&[p1 - p0, p2 - p1, p3 - p2]) / (end - start);
     let latest = start.abs().max(end.abs());
-    let blur = speed * (seen_until(latest) - latest);
+    let blur = speed * (latest_exact(latest) - latest);
     if blur.is_nan() { f64::INFINITY } else { blur }
 }
 

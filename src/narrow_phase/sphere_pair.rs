@@ -90,7 +90,7 @@ pub(super) struct SpherePair {
     pub(super) radius_b: f64,
     /// Bound on the distance of turning centres from their cubics that the radii do not contain,
     /// m; 0 if neither body turns. More than 0 where the cubic is not that of the two bodies.
-    pub(super) baking: f64,
+    pub(super) path_error: f64,
     pub(super) cubic: RelativeCubic,
 }
 
@@ -145,8 +145,8 @@ impl SpherePair {
 
     /// Returns a part of the relative motion as input of certified enclosures.
     pub(super) fn enclosed(&self, part: &RelativeCubic) -> UncertainCubic {
-        if self.baking > 0.0 {
-            UncertainCubic::finite(part.points, (part.error + self.baking).next_up())
+        if self.path_error > 0.0 {
+            UncertainCubic::finite(part.points, (part.error + self.path_error).next_up())
         } else {
             part.uncertain()
         }
@@ -161,9 +161,9 @@ impl SpherePair {
         margin: f64,
     ) -> bool {
         let radii = (self.radius_a, self.radius_b);
-        if self.baking > 0.0 {
+        if self.path_error > 0.0 {
             let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
-            let radius = contact_radius(self.radius_a, self.radius_b, margin) + self.baking;
+            let radius = contact_radius(self.radius_a, self.radius_b, margin) + self.path_error;
             return radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding);
         }
         let [segment_a, segment_b] = &a.segments_in(b, span);

@@ -91,11 +91,11 @@ fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
     for _ in 0..MAX_STEPS {
         let (h, h1, h2) = (position * power, rate * power, cubic.curvature(s) * power);
         let slope = h.dot(h1);
-        let bend = h1.length_squared() + h.dot(h2);
-        if bend <= 0.0 || bend.is_nan() {
+        let slope_change = h1.length_squared() + h.dot(h2);
+        if slope_change <= 0.0 || slope_change.is_nan() {
             break;
         }
-        let next = (s - slope / bend).max(low).min(high);
+        let next = (s - slope / slope_change).max(low).min(high);
         let (next_position, next_rate) = motion.at(next);
         let next_distance = (next_position * power).length_squared();
         if next_distance.is_nan() || next_distance >= distance {

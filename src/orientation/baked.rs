@@ -1,7 +1,7 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
 use crate::accuracy::Accuracy;
-use crate::rounding::{UNIT_ROUNDOFF, norm, seen_until};
+use crate::rounding::{UNIT_ROUNDOFF, latest_exact, norm};
 use glam::{DMat3, DVec3};
 
 /// The Bézier control points of a rotation over `start..end` (s), as matrices: applied to a point
@@ -59,7 +59,7 @@ impl BakedRotation {
 
     /// Returns the vectors whose scalar products with a point of the body are those of its way's
     /// control points with a direction.
-    pub(crate) fn seen_along(&self, direction: DVec3) -> [DVec3; 4] {
+    pub(crate) fn projected_onto(&self, direction: DVec3) -> [DVec3; 4] {
         self.points.map(|matrix| matrix.transpose() * direction)
     }
 
@@ -91,7 +91,7 @@ impl BakedRotation {
         let speed =
             3.0 * steps.map(length).fold(0.0, f64::max).sqrt() * reach / (self.end - self.start);
         let latest = self.start.abs().max(self.end.abs());
-        let blur = speed * (seen_until(latest) - latest);
+        let blur = speed * (latest_exact(latest) - latest);
         if blur.is_nan() { f64::INFINITY } else { blur }
     }
 

@@ -155,7 +155,10 @@ impl Body {
         }
         let followed = trajectory.domain().intersection(window);
         if followed.is_some_and(|followed| !followed.is_closed()) {
-            return Err(Error::WindowNotClosed { body: *tag });
+            return Err(Error::WindowNotClosed {
+                body: *tag,
+                id: None,
+            });
         }
         let extension = trajectory.extension(window);
         extension.map_err(|error| error.in_body(*tag))

@@ -7,7 +7,7 @@ use super::prepared::PreparedScene;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::HeightRange;
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, common_domain, spans};
@@ -118,8 +118,8 @@ impl PreparedScene<'_> {
         let Some((start, end)) = common_domain(&a.knots, &b.knots) else {
             return 0;
         };
-        let seen = self.seen();
-        let (from, to) = (start.max(seen.0), end.min(seen.1));
+        let searched = self.searched();
+        let (from, to) = (start.max(searched.0), end.min(searched.1));
         let mut looked_at = 0;
         for span in spans(&a.knots, &b.knots, from, to) {
             looked_at += 1;
@@ -136,17 +136,17 @@ impl PreparedScene<'_> {
     }
 
     /// Returns the interval asked about (s), with what is reported in it by rounding.
-    fn seen(&self) -> (f64, f64) {
+    fn searched(&self) -> (f64, f64) {
         (
-            seen_from(self.window.start()),
-            seen_until(self.window.end()),
+            earliest_exact(self.window.start()),
+            latest_exact(self.window.end()),
         )
     }
 
     fn heights(&self, place: u32, normal: DVec3) -> Option<HeightRange> {
         let place = place as usize;
         let is_extended = self.extension(place).is_some();
-        HeightRange::of(self.entries[place], is_extended, self.seen(), normal)
+        HeightRange::of(self.entries[place], is_extended, self.searched(), normal)
     }
 
     /// Returns true if the body at a place is certainly above a half-space in the whole window.

@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::query::Query;
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::{Body, Scene};
 use crate::search::{
     BoxedBodies, SceneStatistics, SliceTrials, SourceMemory, TimeSlices, WindowSearch,
@@ -247,8 +247,8 @@ impl PreparedScene<'_> {
         sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
         let window = (
-            seen_from(self.window.start()),
-            seen_until(self.window.end()),
+            earliest_exact(self.window.start()),
+            latest_exact(self.window.end()),
         );
         let slices = TimeSlices::choose(window, statistics);
         if let Some(count) = self.prescribed {

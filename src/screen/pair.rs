@@ -28,7 +28,7 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::narrow_phase::{BodyView, certified_approach, certified_contacts, contacts, may_touch};
 use crate::query::Query;
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::{Body, planned};
 use crate::spans::{Spans, spans};
 use crate::window::Window;
@@ -116,9 +116,9 @@ pub(super) fn push_conflicts(
         return;
     };
     // All instants that may be reported in it.
-    let seen = (seen_from(clip.0), seen_until(clip.1));
-    let met = spans(&a.knots, &b.knots, seen.0, seen.1);
-    let near = met.filter(|&span| may_touch(a, b, span, margin, seen));
+    let searched = (earliest_exact(clip.0), latest_exact(clip.1));
+    let met = spans(&a.knots, &b.knots, searched.0, searched.1);
+    let near = met.filter(|&span| may_touch(a, b, span, margin, searched));
     match accuracy {
         Accuracy::Exact => {
             let SolveScratch { contacts: list, .. } = scratch;

@@ -164,8 +164,8 @@ impl SceneSurvey {
     pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
         let window = (self.window.start(), self.window.end());
         let some = scene.sample(window);
-        let mut places: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
-        let most = DAabb::of_middle_half(&mut places);
+        let mut positions: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
+        let most = DAabb::of_middle_half(&mut positions);
         let mut extremes = self.plans;
         extremes.include(self.beyond);
         Frame::amid(extremes, most, self.size).moving(scene.common_velocity(window))

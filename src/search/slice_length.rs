@@ -318,8 +318,8 @@ fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
     (0..size)
         .map(|k| {
             // Multiples of the golden ratio.
-            let turn = u64::from((k as u32).wrapping_mul(0x9E37_79B9));
-            k * count / size + ((turn * stride as u64) >> 32) as usize
+            let fraction = u64::from((k as u32).wrapping_mul(0x9E37_79B9));
+            k * count / size + ((fraction * stride as u64) >> 32) as usize
         })
         .collect()
 }

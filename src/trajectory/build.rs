@@ -4,7 +4,7 @@ use super::cuts::DoublingCuts;
 use super::double_double::{DoubleDouble, taylor_shift};
 use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
-use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, bend};
+use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, end_cubic};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
 use glam::DVec3;
@@ -66,16 +66,16 @@ impl Trajectory {
             segments.push(Segment::hermite(from, to, knot)?);
         }
         let last = count - 1;
-        let bends = |knot: usize| bend::of_states(&leaving[knot - 1], &arriving[knot]);
-        let first_bends = bends(1);
-        let last_bends = if last == 1 { first_bends } else { bends(last) };
-        let end = |state: &State, knot: usize, bend: [DVec3; 2]| {
+        let terms = |knot: usize| end_cubic::of_states(&leaving[knot - 1], &arriving[knot]);
+        let first_terms = terms(1);
+        let last_terms = if last == 1 { first_terms } else { terms(last) };
+        let end = |state: &State, knot: usize, higher: [DVec3; 2]| {
             let piece = knot.max(1);
             let duration = leaving[piece].time - leaving[piece - 1].time;
-            Ok(Segment::line(state, duration, 0.0, knot)?.with_bend(bend, duration))
+            Ok(Segment::line(state, duration, 0.0, knot)?.with_higher_terms(higher, duration))
         };
-        segments.put_beside(0, end(&leaving[0], 0, first_bends[0])?);
-        segments.put_beside(1, end(&arriving[last], last, last_bends[1])?);
+        segments.put_beside(0, end(&leaving[0], 0, first_terms[0])?);
+        segments.put_beside(1, end(&arriving[last], last, last_terms[1])?);
         let [before, after] = [Outside::Absent; 2];
         let lists = SegmentLists {
             knots,
@@ -139,13 +139,13 @@ impl Trajectory {
                 TimeBase::Absolute => DoubleDouble::from(knots[knot]),
                 TimeBase::SegmentLocal => DoubleDouble::difference(knots[knot], start),
             };
-            let (around, lost) = bend::of_polynomial(&coefficients[segment], time);
+            let (around, lost) = end_cubic::of_polynomial(&coefficients[segment], time);
             let [position, velocity, quadratic, cubic] = around;
             let state = State::new(knots[knot], position, velocity);
             // The position is rounded, and the velocity.
             let error = lost + 4.0 * UNIT_ROUNDOFF * norm(velocity) * (end - start);
             let line = Segment::line(&state, end - start, error, knot)?;
-            Ok(line.with_bend([quadratic, cubic], 1.0))
+            Ok(line.with_higher_terms([quadratic, cubic], 1.0))
         };
         let last = segments.len() - 1;
         let ends = [end_line(0, 0)?, end_line(last, last + 1)?];

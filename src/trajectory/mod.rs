@@ -1,10 +1,10 @@
 //! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
 
-mod bend;
 mod build;
 mod curves;
 mod cuts;
 mod double_double;
+mod end_cubic;
 mod extension;
 mod fit;
 mod front_gap;

@@ -105,8 +105,8 @@ impl RecentMotions {
         true
     }
 
-    /// Replaces the motion where its [facts](LastMotion::is_replaced_by) say so: there is room, and the motion so far goes on in one
-    /// piece.
+    /// Replaces the motion where the [last one](LastMotion::is_replaced_by) says so: there is room, and the motion so
+    /// far goes on in one piece.
     #[inline]
     pub(super) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         let dropped = self.past(since);
@@ -178,7 +178,8 @@ impl RecentMotions {
         (is_piece && room.kept < Self::ROOM).then_some(room)
     }
 
-    /// Returns the facts that a further motion is checked against, where the last one can be followed for all of its first piece.
+    /// Returns the facts that a further motion is checked against. There are some only where the last motion can
+    /// certainly be followed for all of its first piece.
     #[inline]
     pub(super) fn last_motion(&self) -> LastMotion {
         let (last, pieces) = (self.last(), self.pieces());
@@ -210,7 +211,8 @@ impl RecentMotions {
     }
 }
 
-/// The facts about a body's recent motions that a further one is checked against: the motions themselves are not read.
+/// The facts about a body's recent motions that a further one is checked against. They are kept where the monitor
+/// reads them without the motions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LastMotion {
     /// There is no room for a further piece until what ends by this instant (s) is forgotten.
@@ -228,10 +230,10 @@ impl LastMotion {
         sum: 0.0,
     };
 
-    /// Returns true if a motion certainly [replaces](super::Trajectory::replace_as_usual) the last one at `from` (s), after what ended
-    /// before `since` (s) is dropped: there is room, the last motion goes on in one piece from its knot to `from`, the new one differs
-    /// from it, and the new one's first piece lasts for all of `window`. `ends`: the first and the last
-    /// [cut](super::Trajectory::cuts), s.
+    /// Returns true if a motion certainly [replaces](super::Trajectory::replace_as_usual) the last one at `from` (s),
+    /// after what ended before `since` (s) is dropped. There is room, and the last motion goes on in one piece from
+    /// its knot to `from`. The new motion differs from it, and its first piece lasts for all of `window`. `ends`: the
+    /// first and the last [cut](super::Trajectory::cuts), s.
     #[inline]
     pub(crate) fn is_replaced_by(
         &self,

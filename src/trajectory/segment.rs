@@ -123,7 +123,7 @@ impl Segment {
     /// Adds the quadratic and cubic coefficient of a cubic through the same state, in units of
     /// `duration` (s). [`straight`](Self::straight) drops them again,
     /// [`extended`](Self::extended) includes them in the bounds.
-    pub(super) fn with_bend(self, [quadratic, cubic]: [DVec3; 2], duration: f64) -> Self {
+    pub(super) fn with_higher_terms(self, [quadratic, cubic]: [DVec3; 2], duration: f64) -> Self {
         let ratio = (self.end - self.start) / 3.0 / duration;
         self.with_coefficients([quadratic * ratio * ratio, cubic * ratio * ratio * ratio])
     }
@@ -298,7 +298,7 @@ impl Segment {
         let duration = self.end - self.start;
         // Power form around the nearer knot, so that the states themselves are met exactly. An end motion has
         // its state at the start: far from there, powers around its other end would cancel and lose the state.
-        if self.is_bent() {
+        if self.is_curved() {
             // A power of two.
             let unit = duration / 3.0;
             let (offset, rate, curve) = powers_at(&self.control_points, (time - self.start) / unit);
@@ -328,20 +328,20 @@ impl Segment {
     }
 
     /// Returns true for a segment in power form that is not straight: a cubic end motion.
-    fn is_bent(&self) -> bool {
-        self.is_power_form() && !self.has_no_bend()
+    fn is_curved(&self) -> bool {
+        self.is_power_form() && !self.has_no_higher_terms()
     }
 
     /// Returns true for a segment in power form that is straight: of exactly constant velocity.
     pub(crate) fn is_straight(&self) -> bool {
-        self.is_power_form() && self.has_no_bend()
+        self.is_power_form() && self.has_no_higher_terms()
     }
 
-    fn has_no_bend(&self) -> bool {
-        let bend = self.control_points[1]
+    fn has_no_higher_terms(&self) -> bool {
+        let higher = self.control_points[1]
             .abs()
             .max(self.control_points[2].abs());
-        bend.max_element() <= 0.0
+        higher.max_element() <= 0.0
     }
 
     /// Returns the velocity of a straight motion, m/s.

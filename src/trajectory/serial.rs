@@ -104,12 +104,12 @@ impl Segment {
 
     /// Rebuilds an end motion: straight, with the coefficients of a cubic.
     fn going_on(mut numbers: [f64; 16], knot: usize) -> Result<Self, Error> {
-        let bend = [vector(&numbers, 8), vector(&numbers, 11)];
-        for coefficient in bend {
+        let higher = [vector(&numbers, 8), vector(&numbers, 11)];
+        for coefficient in higher {
             check_vector(knot, Quantity::Position, coefficient)?;
         }
         numbers[8..14].fill(0.0);
-        Ok(Self::from_numbers(numbers, knot)?.with_coefficients(bend))
+        Ok(Self::from_numbers(numbers, knot)?.with_coefficients(higher))
     }
 
     /// Rebuilds a segment after checking its numbers; `knot` is the number of its end knot.

@@ -223,8 +223,8 @@ impl Trajectory {
         }
     }
 
-    /// Replaces the motion as [`replace`](Self::replace) does, where its [facts](LastMotion::is_replaced_by) say that this succeeds, and
-    /// changes nothing but its own few numbers: so it usually is where a state is told each frame.
+    /// Replaces the motion as [`replace`](Self::replace) does, where its [last motion](LastMotion::is_replaced_by) says
+    /// that this succeeds, and changes nothing but its own few numbers. That is usual where a state is told each frame.
     #[inline]
     pub(crate) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         match &mut self.form {

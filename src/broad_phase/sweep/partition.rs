@@ -81,8 +81,8 @@ impl Partition {
         low..self.part_of(one.aabb.maxs[self.axis]) + 1
     }
 
-    fn part_of(&self, place: f32) -> usize {
-        self.planes.partition_point(|&plane| plane <= place)
+    fn part_of(&self, coordinate: f32) -> usize {
+        self.planes.partition_point(|&plane| plane <= coordinate)
     }
 }
 

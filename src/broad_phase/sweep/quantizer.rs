@@ -62,11 +62,15 @@ impl Quantizer {
         let metres = [low.x, low.y, low.z, high.x, high.y, high.z, 0.0, 0.0];
         let mut steps = [0_u16; 8];
         for lane in 0..8 {
-            let place = (metres[lane] - self.origin[lane]) * self.factor[lane];
+            let coordinate = (metres[lane] - self.origin[lane]) * self.factor[lane];
             // Comparisons instead of `clamp`: there is no NaN, and these are one instruction each.
-            let place = if place > 0.0 { place } else { 0.0 };
-            let place = if place < 65_535.0 { place } else { 65_535.0 };
-            steps[lane] = lowest_bits(place + Self::SHIFT);
+            let coordinate = if coordinate > 0.0 { coordinate } else { 0.0 };
+            let coordinate = if coordinate < 65_535.0 {
+                coordinate
+            } else {
+                65_535.0
+            };
+            steps[lane] = lowest_bits(coordinate + Self::SHIFT);
         }
         steps
     }

@@ -12,15 +12,16 @@ use rand::{RngExt, SeedableRng};
 /// Returns a quadratic of any size; its parts may differ much in size, or one may be next to zero.
 fn any(rng: &mut ChaCha8Rng) -> Minorant {
     let mut size = || 10f64.powf(rng.random_range(-3.0..3.0));
-    let (base, slope, bend) = (size(), size(), size());
+    let (base, slope, leading) = (size(), size(), size());
     let sign = |rng: &mut ChaCha8Rng| [-1.0, 1.0][rng.random_range(0..2)];
     let base = [base, 1.0_f64.next_down(), 0.0][rng.random_range(0..3)];
     let slope = sign(rng) * slope;
-    let bend = sign(rng) * [bend, slope.abs() * rng.random_range(0.9..1.1)][rng.random_range(0..2)];
+    let leading =
+        sign(rng) * [leading, slope.abs() * rng.random_range(0.9..1.1)][rng.random_range(0..2)];
     Minorant {
         base,
         slope,
-        bend,
+        leading,
         floor: [f64::NEG_INFINITY, -size_of(rng)][rng.random_range(0..2)],
     }
 }
@@ -36,7 +37,7 @@ fn least_base(minorant: &Minorant) -> RBig {
 
 /// Returns the quadratic's increase from the base to `x`.
 fn at(minorant: &Minorant, x: &RBig) -> RBig {
-    (number(minorant.bend) * x + number(minorant.slope)) * x
+    (number(minorant.leading) * x + number(minorant.slope)) * x
 }
 
 #[test]
@@ -44,10 +45,10 @@ fn the_lower_bound_is_below_the_quadratic() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..40_000 {
         let minorant = any(&mut rng);
-        let (slope, bend) = (minorant.slope, minorant.bend);
+        let (slope, leading) = (minorant.slope, minorant.leading);
         let mut least = at(&minorant, &RBig::ONE).min(RBig::ZERO);
-        if slope < 0.0 && bend > 0.0 {
-            let lowest = -number(slope) / (number(bend) * RBig::from(2));
+        if slope < 0.0 && leading > 0.0 {
+            let lowest = -number(slope) / (number(leading) * RBig::from(2));
             if lowest <= RBig::ONE {
                 least = at(&minorant, &lowest);
             }
@@ -99,12 +100,12 @@ fn nearest_points_are_within_reach_whatever_the_error() {
     for step in 1..=125 {
         let range = f64::from(step) * 1e-3;
         for (size, error) in [(1.0, 1e-7), (1e3, 1e-5)] {
-            // Along the way to the origin: the distance is `size` and half a bend times x squared.
-            let bend = 1.0001 * error * size * rate(range) / range;
-            let second = bend / size;
+            // Along the way to the origin: the distance is `size` and half of `leading` times x squared.
+            let leading = 1.0001 * error * size * rate(range) / range;
+            let second = leading / size;
             let place = |x: f64| DVec3::X * (size + 0.5 * second * x * x);
             let points = bezier(&[place(0.0), DVec3::ZERO, DVec3::X * (0.5 * second)]);
-            // Behind the base: the bend pulls back, the error pushes on.
+            // Behind the base: the quadratic term pulls back, the error pushes on.
             let slope = |x: f64| {
                 let distance = place(x).x + error * value(x);
                 distance * (error * rate(x) - second * x)
@@ -137,9 +138,9 @@ fn nearest_points_are_within_reach_of_a_rounded_slope() {
     let mut narrowed = 0;
     for round in 0..5_000 {
         let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
-        let (place, way, bend) = (vector(), vector(), 1e-3 * vector());
+        let (place, way, second) = (vector(), vector(), 1e-3 * vector());
         let way = way - place * (way.dot(place) / place.length_squared());
-        let points = bezier(&[place, way * [1.0, 1e3][round % 2], bend]);
+        let points = bezier(&[place, way * [1.0, 1e3][round % 2], second]);
         let found = stationary_reach(&points, 0.0, RANGE);
         if found >= RANGE {
             continue;
@@ -207,14 +208,14 @@ fn lower_bounds_are_below_straight_motions() {
             RBig::from(terms.into_iter().sum::<i64>())
         };
         let way = step.map(|lane| 3 * lane);
-        let (square, slope, bend) = (dot(start, start), dot(start, way), dot(way, way));
-        let share = if bend > RBig::ZERO {
-            -slope.clone() / &bend
+        let (square, slope, leading) = (dot(start, start), dot(start, way), dot(way, way));
+        let share = if leading > RBig::ZERO {
+            -slope.clone() / &leading
         } else {
             RBig::ZERO
         };
         let share = share.max(RBig::ZERO).min(RBig::ONE);
-        let least = (&bend * &share + RBig::from(2) * slope) * share + &square;
+        let least = (&leading * &share + RBig::from(2) * slope) * share + &square;
         let found =
             Minorant::of(&points.map(|point| DVec3::from_array(point.map(f64::from)))).lower();
         assert!(number(found) <= least, "{points:?}");

@@ -5,8 +5,8 @@
 //! the bodies are when they are put in order; a body that moves goes to the leaf where it is then.
 
 mod curve;
+mod moves;
 mod node;
-mod place;
 mod search;
 
 use crate::broad_phase::BodyBox;
@@ -19,15 +19,15 @@ use std::ops::Range;
 /// Bodies in a leaf at first; the rest of it is room for those that come.
 const FILLED: usize = 10;
 
-/// Marks a body without a place, and a place without a body.
+/// Marks a body without a lane, and a lane without a body.
 const NOWHERE: u32 = u32::MAX;
 
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxTree {
-    /// Place of each slot's body.
-    place_of: Vec<u32>,
-    /// Slot at each place: [`WIDTH`] places for each node of the lowest level.
+    /// Number of the lane of each slot's body.
+    index_of: Vec<u32>,
+    /// Slot in each lane: [`WIDTH`] lanes for each node of the lowest level.
     slot_at: Vec<u32>,
     /// The bodies' own boxes first, then those around each node of the level below; the highest
     /// has one node. Levels above it are spare memory.
@@ -54,7 +54,7 @@ impl BoxTree {
         self.put_in_order();
     }
 
-    /// Empties the tree and takes over the order of another: bodies can be moved to their places one by one, and
+    /// Empties the tree and takes over the order of another: bodies can be moved to their lanes one by one, and
     /// the whole be [fitted](Self::fit) once they are there.
     pub(super) fn begin_like(&mut self, other: &Self) {
         self.take_all_out();
@@ -77,12 +77,12 @@ impl BoxTree {
         self.is_fitted = true;
     }
 
-    /// Replaces the boxes of many bodies: each keeps its place, and the order suffers.
+    /// Replaces the boxes of many bodies: each keeps its lane, and the order suffers.
     pub(super) fn replace(&mut self, boxes: &[BodyBox]) {
         for body in boxes {
-            match self.place(body.body) {
-                Some(place) => {
-                    self.levels[0][place / WIDTH].set(place % WIDTH, corners(&body.aabb));
+            match self.index(body.body) {
+                Some(index) => {
+                    self.levels[0][index / WIDTH].set(index % WIDTH, corners(&body.aabb));
                 }
                 None => self.insert(self.leaf_of(&body.aabb), body),
             }
@@ -93,8 +93,8 @@ impl BoxTree {
 
     /// Takes a body's box out, if it has one.
     pub(super) fn remove(&mut self, slot: u32) {
-        if let Some(place) = self.place(slot) {
-            self.vacate(place);
+        if let Some(index) = self.index(slot) {
+            self.vacate(index);
         }
     }
 
@@ -109,7 +109,7 @@ impl BoxTree {
         self.slot_at.len() / WIDTH
     }
 
-    /// Returns how often all bodies were given other places.
+    /// Returns how often all bodies were given other lanes.
     pub(super) const fn orders(&self) -> u32 {
         self.orders
     }
@@ -137,11 +137,11 @@ impl BoxTree {
 
     fn take_all_out(&mut self) {
         for slot in self.slot_at.drain(..).filter(|&slot| slot != NOWHERE) {
-            self.place_of[slot as usize] = NOWHERE;
+            self.index_of[slot as usize] = NOWHERE;
         }
     }
 
-    /// Gives places to what is listed for it: near places to what is near in space.
+    /// Gives lanes to what is listed for it: near lanes to what is near in space.
     fn put_in_order(&mut self) {
         self.take_all_out();
         let mut sorted = std::mem::take(&mut self.sorted);
@@ -157,7 +157,7 @@ impl BoxTree {
         for (leaf, bodies) in sorted.chunks(FILLED).enumerate() {
             self.begins.push(bodies[0].0);
             for (lane, (_, body)) in bodies.iter().enumerate() {
-                self.take_place(leaf * WIDTH + lane, body);
+                self.occupy(leaf * WIDTH + lane, body);
             }
         }
         self.sorted = sorted;
@@ -185,27 +185,27 @@ impl BoxTree {
         }
     }
 
-    fn take_place(&mut self, place: usize, body: &BodyBox) {
+    fn occupy(&mut self, index: usize, body: &BodyBox) {
         let slot = body.body as usize;
-        if self.place_of.len() <= slot {
-            self.place_of.resize(slot + 1, NOWHERE);
+        if self.index_of.len() <= slot {
+            self.index_of.resize(slot + 1, NOWHERE);
         }
-        self.place_of[slot] = u32::try_from(place).unwrap_or(NOWHERE);
-        self.slot_at[place] = body.body;
-        self.levels[0][place / WIDTH].set(place % WIDTH, corners(&body.aabb));
+        self.index_of[slot] = u32::try_from(index).unwrap_or(NOWHERE);
+        self.slot_at[index] = body.body;
+        self.levels[0][index / WIDTH].set(index % WIDTH, corners(&body.aabb));
     }
 
     #[inline(always)]
-    fn place(&self, slot: u32) -> Option<usize> {
-        let place = *self.place_of.get(slot as usize)?;
-        (place != NOWHERE).then_some(place as usize)
+    fn index(&self, slot: u32) -> Option<usize> {
+        let index = *self.index_of.get(slot as usize)?;
+        (index != NOWHERE).then_some(index as usize)
     }
 
     /// Returns the leaf where a box belongs.
     #[inline(always)]
     fn leaf_of(&self, aabb: &Aabb) -> usize {
-        let place = self.curve.code(aabb);
-        let after = self.begins.partition_point(|&begin| begin <= place);
+        let code = self.curve.code(aabb);
+        let after = self.begins.partition_point(|&begin| begin <= code);
         after.saturating_sub(1)
     }
 }
@@ -247,7 +247,7 @@ mod tests {
                 let new = rng.random_bool(0.8).then(|| random_box(&mut rng));
                 plain[slot] = new;
                 let (order, body) = (boxes.orders(), u32::try_from(slot).unwrap_or(0));
-                let leaf = |boxes: &BoxTree, slot: u32| boxes.place(slot).map(|at| at / WIDTH);
+                let leaf = |boxes: &BoxTree, slot: u32| boxes.index(slot).map(|at| at / WIDTH);
                 let leaves: Vec<_> = (0..1000).map(|slot| leaf(&boxes, slot)).collect();
                 match new {
                     Some(aabb) if round % 3 == 0 => replaced.push(BodyBox { aabb, body }),

@@ -7,7 +7,7 @@ use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
 /// Memory for searches: the nodes of one level, and of the next one down, that are to be searched. Each
-/// comes after the number of the box that is asked about. Below the lowest level, the place of an overlapping
+/// comes after the number of the box that is asked about. Below the lowest level, the index of an overlapping
 /// box stands for a node.
 #[derive(Clone, Debug, Default)]
 pub(in crate::monitor) struct TreeSearch {

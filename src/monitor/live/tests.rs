@@ -227,14 +227,14 @@ fn a_monitor_that_is_stuck_says_so() {
     for id in 0..2 {
         game.advance(0.0).unwrap();
         // Within the budget or after it.
-        let is_told = |report: &Report| match &report.kind {
+        let is_reported = |report: &Report| match &report.kind {
             ReportKind::Stuck { error: why } | ReportKind::Refused { error: why, .. } => {
                 *why == error
             }
             _ => false,
         };
         let mut reports = std::iter::from_fn(|| live.reports().recv_timeout(PATIENCE).ok());
-        assert!(reports.any(|report| is_told(&report)), "{id}");
+        assert!(reports.any(|report| is_reported(&report)), "{id}");
     }
     assert!(!live.shutdown().unwrap().monitor.is_caught_up());
 }

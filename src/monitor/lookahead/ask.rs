@@ -6,7 +6,7 @@ use super::super::slice::NearBody;
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
@@ -22,18 +22,18 @@ impl LookaheadSearch {
     pub(in crate::monitor) fn contacts_with(
         &self,
         scene: &Scene,
-        (slot, flight, own): (u32, &MonitoredBody, &BodyView<'_>),
+        (slot, monitored, own): (u32, &MonitoredBody, &BodyView<'_>),
         margin: f64,
         (from, to): (f64, f64),
         admits: impl Fn(u32) -> bool,
         mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
-        let mut neighbours = self.neighbours(scene, (flight, own), (from, to));
+        let mut neighbours = self.neighbours(scene, (monitored, own), (from, to));
         let have_partners = scene.len() > 1 && scene.admits_all(self.margin);
         if scene.in_slot(slot).is_none() && !have_partners {
             // It may be the first partner of bodies that are in no slice.
-            let (from, to) = (seen_from(from), seen_until(to));
-            let alone = self.flights.without_partner();
+            let (from, to) = (earliest_exact(from), latest_exact(to));
+            let alone = self.monitored.without_partner();
             neighbours.extend(alone.map(|slot| NearBody { slot, from, to }));
         }
         self.add_half_spaces(own, (from, to), &mut neighbours);
@@ -56,10 +56,10 @@ impl LookaheadSearch {
             let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
                 continue;
             };
-            let seen = (seen_from(clip.0), seen_until(clip.1));
+            let searched = (earliest_exact(clip.0), latest_exact(clip.1));
             near.clear();
             for time in times {
-                let part = (time.from.max(seen.0), time.to.min(seen.1));
+                let part = (time.from.max(searched.0), time.to.min(searched.1));
                 if part.0 <= part.1 {
                     let touching = spans(&a.knots, &b.knots, part.0, part.1)
                         .filter(|&span| may_touch(a, b, span, margin, part));
@@ -84,14 +84,14 @@ impl LookaheadSearch {
         (from, to): (f64, f64),
         neighbours: &mut Vec<NearBody>,
     ) {
-        let (from, to) = (seen_from(from), seen_until(to));
+        let (from, to) = (earliest_exact(from), latest_exact(to));
         let always = |slot| NearBody { slot, from, to };
         if own.is_half_space() {
             neighbours.clear();
-            let all = (0_u32..).take(self.flights.len());
+            let all = (0_u32..).take(self.monitored.len());
             neighbours.extend(all.map(always));
         } else {
-            let planes = self.flights.half_spaces().iter().copied();
+            let planes = self.monitored.half_spaces().iter().copied();
             neighbours.extend(planes.map(always));
         }
     }
@@ -101,12 +101,12 @@ impl LookaheadSearch {
     fn neighbours(
         &self,
         scene: &Scene,
-        (flight, own): (&MonitoredBody, &BodyView<'_>),
+        (monitored, own): (&MonitoredBody, &BodyView<'_>),
         (from, to): (f64, f64),
     ) -> Vec<NearBody> {
-        let window = (seen_from(from), seen_until(to));
+        let window = (earliest_exact(from), latest_exact(to));
         let knots = (own.knots, own.segments);
-        let source = CubicSource::plain(knots, &flight.padding, &self.grid.frame);
+        let source = CubicSource::plain(knots, &monitored.padding, &self.grid.frame);
         let (mut scratch, mut neighbours) = (self.pool.take(), Vec::new());
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {

@@ -6,7 +6,7 @@ use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
-use crate::rounding::seen_from;
+use crate::rounding::earliest_exact;
 use crate::scene::Scene;
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
@@ -35,7 +35,7 @@ impl LookaheadSearch {
         stats: &mut Stats,
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
-        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let bodies = PreparedBodies::of(table, &mut self.presence);
         let stop = self.jump.cross(
             (from, to, self.grid.length),
@@ -58,7 +58,7 @@ impl LookaheadSearch {
     /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
     /// mean of the slices that are needed.
     fn is_mostly_unknown(&self, needed: usize) -> bool {
-        let (changed, all) = (self.dirty.len(), self.flights.len());
+        let (changed, all) = (self.changed.len(), self.monitored.len());
         let needed = self.slices.iter().take(needed);
         let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
@@ -73,8 +73,8 @@ impl LookaheadSearch {
         (meter, stats): (&mut BudgetMeter, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let limits = self.limits();
-        let window = (seen_from(from).max(self.ends[0]), self.ends[needed]);
-        let table = BodyTable::of(scene, &self.flights, &self.grid, self.margin);
+        let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
+        let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let begin = Instant::now();
         let (bodies, statistics) = PreparedBodies::in_window(table, &mut self.presence, window);
         let cut = (&bodies.usual_slices(window), &statistics);
@@ -96,7 +96,7 @@ impl LookaheadSearch {
                 slice.set_compared();
                 *stats += std::mem::take(&mut slice.stats);
             } else {
-                slice.note(&self.dirty);
+                slice.note(&self.changed);
             }
         }
         Ok(())

@@ -28,11 +28,11 @@ impl Monitor {
     /// A writer that panics, in `write`, in `flush` or when it is dropped, is one that fails: no call of the
     /// monitor panics for it. The writer is dropped at once.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
-        self.tape = None;
-        let mut tape = RecordWriter::start(Box::new(target))?;
-        tape.write(&Record::Begin(Box::new(self.snapshot())));
-        tape.flush()?;
-        self.tape = Some(tape);
+        self.recorder = None;
+        let mut recorder = RecordWriter::start(Box::new(target))?;
+        recorder.write(&Record::Begin(Box::new(self.snapshot())));
+        recorder.flush()?;
+        self.recorder = Some(recorder);
         Ok(())
     }
 
@@ -42,19 +42,19 @@ impl Monitor {
     ///
     /// The first error of writing the recording. The records before it are good.
     pub fn stop_recording(&mut self) -> io::Result<u64> {
-        self.tape.take().map_or(Ok(0), RecordWriter::finish)
+        self.recorder.take().map_or(Ok(0), RecordWriter::finish)
     }
 
     /// Writes a record, if a recording is under way.
     pub(in crate::monitor) fn write_down(&mut self, record: impl FnOnce() -> Record) {
-        if let Some(tape) = &mut self.tape {
-            tape.write(&record());
+        if let Some(recorder) = &mut self.recorder {
+            recorder.write(&record());
         }
     }
 
     /// Returns true if a recording is under way and has met no error.
     #[must_use]
     pub fn is_recording(&self) -> bool {
-        self.tape.as_ref().is_some_and(RecordWriter::is_whole)
+        self.recorder.as_ref().is_some_and(RecordWriter::is_whole)
     }
 }

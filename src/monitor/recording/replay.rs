@@ -37,9 +37,9 @@ use std::io::{BufRead, Read};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Format, version 4
+/// # Format, version 5
 ///
-/// A text file. The first line is `nearmiss recording 4`. Each further line is one record:
+/// A text file. The first line is `nearmiss recording 5`. Each further line is one record:
 ///
 /// ```text
 /// LENGTH CHECKSUM JSON

@@ -59,9 +59,9 @@ impl LookaheadSlice {
         let mut index = BoxIndex::default();
         index
             .fat_lines
-            .resize(bodies.flights.len(), Self::NO_FAT_LINE);
+            .resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let (mut listed, fat_lines) = (Vec::new(), &mut index.fat_lines);
-        let slots = (0_u32..).take(bodies.flights.len());
+        let slots = (0_u32..).take(bodies.monitored.len());
         bodies.boxes(slots, &self.ends(), |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);

@@ -73,7 +73,7 @@ impl LookaheadSlice {
         listed.clear();
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
-        fat_lines.resize(bodies.flights.len(), Self::NO_FAT_LINE);
+        fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let mut list = |boxed: BodyBox, fat_line: &FatLine| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);

@@ -121,7 +121,7 @@ impl LookaheadSlice {
 
     /// Returns how many slots are to have boxes now.
     fn due_slots(&self, bodies: &BodyTable<'_>) -> usize {
-        self.due_of(bodies.flights.len(), (0.0, Self::PLACING))
+        self.due_of(bodies.monitored.len(), (0.0, Self::PLACING))
     }
 
     /// Returns how many leaves are to be compared now.
@@ -140,12 +140,12 @@ impl LookaheadSlice {
             // What has changed is looked at when the slice is built.
             BuildStage::Listing(slots) => {
                 let due = self.due_slots(bodies);
-                return self.due < 1.0 && slots >= due && slots < bodies.flights.len();
+                return self.due < 1.0 && slots >= due && slots < bodies.monitored.len();
             }
             // When all boxes are placed, joining has to begin: the slice is not fresh.
             BuildStage::Placing(slots) => {
                 let due = self.due_slots(bodies);
-                self.due < 1.0 && slots >= due && slots < bodies.flights.len()
+                self.due < 1.0 && slots >= due && slots < bodies.monitored.len()
             }
             BuildStage::Joining(leaves, order) => {
                 self.due < 1.0 && leaves >= self.due_leaves() && order == self.index.boxes.orders()
@@ -163,7 +163,7 @@ impl LookaheadSlice {
         match self.stage {
             BuildStage::Built => self.changed.len(),
             BuildStage::Compared(_) if self.changed.is_empty() => 0,
-            _ => bodies.flights.len(),
+            _ => bodies.monitored.len(),
         }
     }
 
@@ -263,7 +263,7 @@ impl LookaheadSlice {
         if let Some(from) = self.rest {
             return self.search_rest(from, task, scratch);
         }
-        let room = task.limits.candidates_of_slice(task.bodies.flights.len());
+        let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
         let filter = &CandidateLimit::new(task.filter, room);
         let boxes = self.compare(&task.with_filter(filter), scratch);
         if filter.is_short() {
@@ -303,7 +303,7 @@ impl LookaheadSlice {
                 self.stage = BuildStage::Placing(until);
                 until - slots
             }
-            BuildStage::Placing(slots) if slots < bodies.flights.len() => {
+            BuildStage::Placing(slots) if slots < bodies.monitored.len() => {
                 let changed = self.changed.len();
                 self.box_changed(bodies, task.moved, scratch);
                 self.index.boxes.move_to(&scratch.listed);
@@ -329,7 +329,7 @@ impl LookaheadSlice {
                 let until = self.list(bodies, slots, &mut boxed);
                 self.boxed = boxed;
                 self.stage = BuildStage::Compared(until);
-                if until == bodies.flights.len() {
+                if until == bodies.monitored.len() {
                     // Those that have changed are compared next.
                     self.index.boxes.build(&self.boxed);
                     self.boxed = Vec::new();
@@ -352,7 +352,7 @@ impl LookaheadSlice {
         let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
-        fat_lines.resize(bodies.flights.len(), Self::NO_FAT_LINE);
+        fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let before = listed.len();
         bodies.boxes(slots, &ends, |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;

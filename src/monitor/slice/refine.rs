@@ -30,7 +30,7 @@ impl LookaheadSlice {
                 |scratch| &mut scratch.sweep,
                 (
                     &prepared.usual_slices((from, end)),
-                    &prepared.traffic((from, end)),
+                    &prepared.statistics((from, end)),
                 ),
                 filter,
                 &|_| {},

@@ -111,7 +111,7 @@ fn least_separation(
 ) -> (SeparationEnclosure, RelativeCubic) {
     let cubic = if is_whole {
         pair.cubic
-    } else if pair.baking > 0.0 {
+    } else if pair.path_error > 0.0 {
         pair.cubic.part((start, end))
     } else {
         let [segment_a, segment_b] = &a.segments_in(b, span);
@@ -123,7 +123,7 @@ fn least_separation(
         )
     };
     let enclosed = pair.enclosed(&cubic);
-    let least = if pair.baking > 0.0 {
+    let least = if pair.path_error > 0.0 {
         // The way of a turning centre is no cubic.
         enclosed.least_distance_of_any_motion()
     } else {

@@ -18,7 +18,7 @@ pub(super) struct PiecewiseLinearBound {
     unit: f64,
     lines: Vec<Chord>,
     /// Largest deviation of the motion from its chords, in their unit.
-    bend: f64,
+    deviation: f64,
     /// Bound on all rounding, m.
     pub(super) slack: f64,
 }
@@ -54,14 +54,14 @@ impl PiecewiseLinearBound {
         let points = clusters.points_between(part).map(|point| point * power);
         // A cubic deviates from its chord (gone along evenly) no farther than its inner points do: a
         // quarter as far on each of two halves.
-        let bend = |[p0, p1, p2, p3]: [DVec3; 4]| {
+        let deviation = |[p0, p1, p2, p3]: [DVec3; 4]| {
             let third = (p3 - p0) / 3.0;
             let (inner, outer) = (p1 - (p0 + third), p2 - (p3 - third));
             inner.length().max(outer.length())
         };
         let largest = |spheres: &[Sphere]| spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
         let wanted = 0.25 * power * (largest(a.spheres) + largest(b.spheres));
-        let count = (bend(points) / wanted).sqrt().ceil();
+        let count = (deviation(points) / wanted).sqrt().ceil();
         let count = if count > 1.0 {
             count.min(Self::MAX)
         } else {
@@ -81,13 +81,13 @@ impl PiecewiseLinearBound {
                     0.0
                 },
             });
-            most = most.max(bend(piece));
+            most = most.max(deviation(piece));
         }
         Self {
             power,
             unit: 1.0 / power,
             lines,
-            bend: most,
+            deviation: most,
             // A rejection's, twice: the pieces have as many roundings again. Distances that are constant tie
             // within their tolerance, of which a clearance has two: what may matter for a tie has to be seen.
             slack: 2.0 * rejection_threshold(0.0, scale),
@@ -102,9 +102,9 @@ impl PiecewiseLinearBound {
         let square = |line: &Chord| line.nearest_point(offset).length_squared();
         let least = self.lines.iter().map(square).fold(f64::INFINITY, f64::min);
         // Most are beyond, which is known without a root.
-        let reach = (bound + radii) * self.power + self.bend;
+        let reach = (bound + radii) * self.power + self.deviation;
         let is_beyond = reach < 0.0 || least > reach * reach;
-        (!is_beyond).then(|| (least.sqrt() - self.bend) * self.unit - radii)
+        (!is_beyond).then(|| (least.sqrt() - self.deviation) * self.unit - radii)
     }
 
     /// Returns a separation beyond which spheres are not the nearest ones over the part, up to the slack, m: that
@@ -126,7 +126,7 @@ impl PiecewiseLinearBound {
         let lows = a.spheres.iter().filter_map(low);
         let least = lows.fold(f64::INFINITY, f64::min);
         // A window may begin between an instant and what that is rounded to.
-        let least = least + 2.0 * (self.bend * self.unit + clusters.motion.blur());
+        let least = least + 2.0 * (self.deviation * self.unit + clusters.motion.blur());
         // The error counts twice: the nearest spheres may be farther apart by it, and others nearer by it.
         let error = a.model_error_with(b);
         widened(widened(least, error), error)
@@ -149,8 +149,8 @@ impl PiecewiseLinearBound {
             let mut nearest = (f64::INFINITY, facing, &b.spheres[0]);
             for one in a.spheres.iter().step_by(step).chain([facing]) {
                 for other in b.spheres {
-                    let place = middle + (one.offset - other.offset) * self.power;
-                    let found = place.length() - (one.radius + other.radius) * self.power;
+                    let point = middle + (one.offset - other.offset) * self.power;
+                    let found = point.length() - (one.radius + other.radius) * self.power;
                     if found < nearest.0 {
                         nearest = (found, one, other);
                     }
@@ -159,7 +159,7 @@ impl PiecewiseLinearBound {
             let (_, one, other) = nearest;
             let start = line.start + (one.offset - other.offset) * self.power;
             let farther = start.length().max((start + line.change).length());
-            (farther + self.bend) * self.unit - (one.radius + other.radius)
+            (farther + self.deviation) * self.unit - (one.radius + other.radius)
         };
         let separations = self.lines.iter().map(separation);
         // A window may begin between an instant and what that is rounded to.

@@ -53,8 +53,8 @@ impl<'a> Envelope<'a> {
         } else {
             1.0
         };
-        let nearest_at = |place: DVec3| {
-            let separation = |near: &SphereOffset| (place + near.offset).length() - near.radii;
+        let nearest_at = |point: DVec3| {
+            let separation = |near: &SphereOffset| (point + near.offset).length() - near.radii;
             let all = all.iter().map(|near| (separation(near), *near));
             let nearer =
                 |x: (f64, SphereOffset), y: (f64, SphereOffset)| if y.0 < x.0 { y } else { x };

@@ -3,7 +3,7 @@
 use super::{ClusterPair, ProvenContact, SpherePairBound};
 use crate::hitbox::Sphere;
 use crate::narrow_phase::sphere_pair::farthest;
-use crate::rounding::{norm, seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact, norm};
 use glam::DVec3;
 
 /// The facts proven so far about two bodies.
@@ -180,8 +180,8 @@ impl<'a> ProvenIntervals<'a> {
     ) -> UnprovenInterval {
         // Instants are rounded: what begins at one of these may have begun in the gap.
         let interval = (
-            seen_from(from).max(self.part.0),
-            seen_until(to).min(self.part.1),
+            earliest_exact(from).max(self.part.0),
+            latest_exact(to).min(self.part.1),
         );
         let points = self.clusters.points_between(interval);
         let before = before.map(|offset| points[0] + offset);

@@ -53,11 +53,11 @@ impl ClusterPair<'_> {
         let mut shown = Vec::new();
         let chords = PiecewiseLinearBound::of(self, part, margin);
         let mut known = ProvenIntervals::new(self, part, margin, chords.slack);
-        let mut seen = SolvedOffsets::default();
+        let mut solved = SolvedOffsets::default();
         let mut solve = |candidate: &SpherePairBound,
                          known: &mut ProvenIntervals<'_>,
-                         seen: &mut SolvedOffsets| {
-            seen.add(self, candidate);
+                         solved: &mut SolvedOffsets| {
+            solved.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
@@ -75,14 +75,14 @@ impl ClusterPair<'_> {
             }
             let mut others = candidates.iter();
             while let Some(candidate) = next {
-                solve(candidate, &mut known, &mut seen);
+                solve(candidate, &mut known, &mut solved);
                 while let Some(support) = known.support() {
                     let found = candidates.iter().find(|one| (one.a, one.b) == support);
-                    if let Some(candidate) = found.filter(|one| !seen.holds(self, one)) {
-                        solve(candidate, &mut known, &mut seen);
+                    if let Some(candidate) = found.filter(|one| !solved.holds(self, one)) {
+                        solve(candidate, &mut known, &mut solved);
                     }
                 }
-                next = others.find(|other| known.may_matter(other) && !seen.holds(self, other));
+                next = others.find(|other| known.may_matter(other) && !solved.holds(self, other));
             }
         }
     }
@@ -96,7 +96,7 @@ impl ClusterPair<'_> {
         mut solve: impl FnMut(&SpherePair) -> f64,
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
-        let mut seen = SolvedOffsets::default();
+        let mut solved = SolvedOffsets::default();
         let within = least_so_far.min(chords.least_of_some(self));
         let groups = SphereGroups::of(self, &chords, within);
         let (mut listed, mut candidates) = (0, Vec::new());
@@ -104,7 +104,7 @@ impl ClusterPair<'_> {
             groups.list((self, &chords), within, &mut listed, &mut candidates);
             for candidate in nearest(&candidates).into_iter().chain(&candidates) {
                 let near = least_so_far + chords.slack;
-                if candidate.low > near || seen.holds(self, candidate) {
+                if candidate.low > near || solved.holds(self, candidate) {
                     continue;
                 }
                 let pair = self.pair(candidate);
@@ -113,7 +113,7 @@ impl ClusterPair<'_> {
                     continue;
                 }
                 least_so_far = solve(&pair);
-                seen.add(self, candidate);
+                solved.add(self, candidate);
             }
         }
     }
@@ -135,15 +135,15 @@ impl ClusterPair<'_> {
             let envelope = Envelope::of(self, &chords, &candidates);
             candidates.retain(|candidate| !envelope.is_above(candidate));
         }
-        let mut seen = SolvedOffsets::default();
+        let mut solved = SolvedOffsets::default();
         for candidate in &candidates {
-            if seen.holds(self, candidate) {
+            if solved.holds(self, candidate) {
                 continue;
             }
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 solve(&pair);
-                seen.add(self, candidate);
+                solved.add(self, candidate);
             }
         }
     }

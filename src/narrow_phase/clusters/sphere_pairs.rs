@@ -4,7 +4,7 @@ use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::relative::{RelativeMotion, local_scale};
 use crate::narrow_phase::sphere_pair::{SpherePair, spheres_beyond};
-use crate::rounding::{seen_from, seen_until};
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -32,7 +32,7 @@ pub(in crate::narrow_phase) struct ProvenContact {
 pub(super) struct SpherePairBound {
     pub(super) a: u32,
     pub(super) b: u32,
-    /// Lower bound of the least separation, m, up to [`PiecewiseLinearBound::slack`].
+    /// Lower bound of the least separation, m, up to the slack of the chords.
     pub(super) low: f64,
 }
 
@@ -57,7 +57,7 @@ impl<'a> ClusterPair<'a> {
     /// instants are rounded.
     pub(super) fn part(&self, (from, to): (f64, f64)) -> (f64, f64) {
         let (start, end) = (self.span.start, self.span.end);
-        (start.max(seen_from(from)), end.min(seen_until(to)))
+        (start.max(earliest_exact(from)), end.min(latest_exact(to)))
     }
 
     /// Returns the relative control points of the bodies between two instants of the span (s).
@@ -86,7 +86,7 @@ impl<'a> ClusterPair<'a> {
             b: candidate.b,
             radius_a: a.radius,
             radius_b: b.radius,
-            baking: 0.0,
+            path_error: 0.0,
             cubic: self.motion.of_spheres(a.offset - b.offset),
         }
     }

@@ -76,7 +76,7 @@ fn lines_are_within_their_error_of_the_heights() {
             radius: 0.1,
             way: [pair.along(centre); 4],
             rounding: pair.rounding_along(centre),
-            baking: 0.0,
+            path_error: 0.0,
         };
         let line = pair.sphere_pair(span, &pair.heights(span), &sphere);
         let exact = Exact::of(body).plus(&Exact::of(centre));

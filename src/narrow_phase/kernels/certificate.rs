@@ -43,13 +43,13 @@ pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
 /// The quartic left of the squared distance after dividing twice by the time from a guess.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deflated {
-    /// Coefficients; of reversed time if `turn` is negative.
+    /// Coefficients; of reversed time if `sign` is negative.
     pub(super) quartic: [f32; 5],
     /// At an end of the span, a lower bound of the inward slope; 0 elsewhere. Then
     /// `(u + 1) q + inward` has to be positive.
     pub(super) inward: f32,
     /// -1 if the guess is above 0, else 1: so that an end is always the low one.
-    pub(super) turn: f32,
+    pub(super) sign: f32,
 }
 
 impl Deflated {
@@ -73,11 +73,11 @@ impl Deflated {
         // At an end with the slope inward the product is negative. The slope has a rounding of
         // its own, and enters with factors of up to 20.
         let inward = if u.abs() >= 1.0 { -(r * u) } else { 0.0 };
-        let turn = 1.0_f32.copysign(-u);
+        let sign = 1.0_f32.copysign(-u);
         Self {
-            quartic: [q0, turn * q1, q2, turn * q3, q4],
+            quartic: [q0, sign * q1, q2, sign * q3, q4],
             inward: (inward - SLOPE_MARGIN * margin).or_more(0.0),
-            turn,
+            sign,
         }
     }
 }

@@ -73,7 +73,7 @@ fn again<R: Real>(
 pub(super) fn contest(outline: &LaneSquaredDistance, first: f32, doubt: f32) -> MinimumChoice {
     let remainder = DeflatedRemainder::new(outline, first);
     let least = remainder.least_point(remainder.lowest_sample());
-    let rival = remainder.deflated.turn * least;
+    let rival = remainder.deflated.sign * least;
     let value = remainder.value(least);
     let beaten = value < 0.0;
     let again = beaten | (doubt > 1.0);
@@ -96,7 +96,7 @@ pub(super) fn certify_against(
     doubt: f32,
 ) -> f32 {
     let remainder = DeflatedRemainder::new(outline, u);
-    let rival = remainder.deflated.turn * rival;
+    let rival = remainder.deflated.sign * rival;
     let (low, high) = cut(
         remainder.bernstein(),
         0.5 * (remainder.least_point(rival) + 1.0),
@@ -167,9 +167,9 @@ impl DeflatedRemainder {
         while step < 2 {
             let v = u * u;
             let slope = (t1 + u * (2.0 * t2)) + v * ((3.0 * t3 + u * (4.0 * t4)) + v * (5.0 * t5));
-            let bend = (2.0 * t2 + u * (6.0 * t3)) + v * (12.0 * t4 + u * (20.0 * t5));
-            let next = (u - slope / bend).or_less(1.0).or_more(-1.0);
-            u = if bend > 0.0 { next } else { u };
+            let slope_change = (2.0 * t2 + u * (6.0 * t3)) + v * (12.0 * t4 + u * (20.0 * t5));
+            let next = (u - slope / slope_change).or_less(1.0).or_more(-1.0);
+            u = if slope_change > 0.0 { next } else { u };
             step += 1;
         }
         u

@@ -120,7 +120,7 @@ impl<'a> TurningOverPlane<'a> {
             radius: self.pair.body.bounding.radius,
             way: [0.0; 4],
             rounding: 0.0,
-            baking: 0.0,
+            path_error: 0.0,
         };
         let span = self.pair.span;
         self.pair
@@ -154,7 +154,9 @@ impl<'a> TurningOverPlane<'a> {
         // Those that are lowest at a control point.
         let mut lowest_ones = [(f64::INFINITY, [0.0; 4]); 4];
         for sphere in &*ways {
-            let ceiling = sphere.way.map(|way| way - sphere.radius + sphere.baking);
+            let ceiling = sphere
+                .way
+                .map(|way| way - sphere.radius + sphere.path_error);
             for (place, found) in lowest_ones.iter_mut().enumerate() {
                 if ceiling[place] < found.0 {
                     *found = (ceiling[place], ceiling);
@@ -169,7 +171,9 @@ impl<'a> TurningOverPlane<'a> {
             margin
         };
         ways.retain(|sphere| {
-            let floor = sphere.way.map(|way| way - sphere.radius - sphere.baking);
+            let floor = sphere
+                .way
+                .map(|way| way - sphere.radius - sphere.path_error);
             let sum = [0, 1, 2, 3].map(|place| heights.points[place] + floor[place]);
             let is_above = |(_, other): &(f64, [f64; 4])| {
                 (0..4).all(|place| floor[place] > other[place] + slack)
@@ -192,18 +196,18 @@ impl<'a> TurningOverPlane<'a> {
                 radius,
                 way: [self.pair.along(centre); 4],
                 rounding: self.pair.rounding_along(centre),
-                baking: 0.0,
+                path_error: 0.0,
             };
         };
         let way = rotation.way(centre);
         let rounding = way.map(|point| self.pair.rounding_along(point));
-        let (radius, baking) = rotation.radius_and_error((centre, radius), self.accuracy);
+        let (radius, path_error) = rotation.radius_and_error((centre, radius), self.accuracy);
         SphereAlong {
             number,
             radius,
             way: way.map(|point| self.pair.along(point)),
             rounding: rounding.into_iter().fold(0.0, f64::max),
-            baking,
+            path_error,
         }
     }
 }

@@ -338,7 +338,9 @@ impl<'a> SpheresOverPart<'a> {
         let [reaches_a, reaches_b] = &mut scratch.reaches;
         let along = |body: usize| {
             let rotation = self.rotations[body];
-            rotation.map_or([direction; 4], |rotation| rotation.seen_along(direction))
+            rotation.map_or([direction; 4], |rotation| {
+                rotation.projected_onto(direction)
+            })
         };
         let places = |[m0, m1, m2, m3]: [DVec3; 4], offset: DVec3| {
             [
@@ -395,7 +397,7 @@ impl<'a> SpheresOverPart<'a> {
             b,
             radius_a,
             radius_b,
-            baking: error_a + error_b,
+            path_error: error_a + error_b,
             cubic: self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3]),
         }
     }

@@ -95,7 +95,7 @@ fn bodies_that_are_gone_leave_their_lines() {
                 Ok(())
             }),
             1 => scene.set_trajectory(ids[place], plan).map(drop),
-            // Sketched while the scene is being read, and then as it was put in.
+            // Copied while the scene is being read, and then as it was put in.
             _ => scene
                 .swap_trajectory(ids[place], &mut plan.clone())
                 .map(|entry| entry.summary().path)

@@ -155,7 +155,7 @@ impl BezierPoints {
         let error = norm(lost) + 8.0 * UNIT_ROUNDOFF * norm(linear) + 8.0 * self.error;
         let state = State::new(interval[end], position, linear / duration);
         let line = Segment::line(&state, duration, error, knot)?;
-        Ok(line.with_bend([quadratic, cubic], duration))
+        Ok(line.with_higher_terms([quadratic, cubic], duration))
     }
 }
 

@@ -99,7 +99,7 @@ impl Segment {
             (self.extent, self.error())
         } else {
             let lengths = self.lengths_to(from, to);
-            let size = if self.is_bent() {
+            let size = if self.is_curved() {
                 let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
                 lengths * (linear + lengths * (quadratic + lengths * cubic))
             } else if self.is_power_form() {
@@ -122,16 +122,16 @@ impl Segment {
     /// `size` (m) bounds the terms of its power form there.
     ///
     /// In [power form](Self::is_power_form) each coefficient's error is proportional to itself: see
-    /// [`bend`](super::bend). Otherwise a control point's error (its own, and at most 4 roundings
-    /// of the extent from forming the power coefficients) grows like the sum of the Bernstein
-    /// weights: (1 + 2 lengths)³.
+    /// [`end_cubic`](mod@crate::trajectory::end_cubic). Otherwise a control point's error (its own, and at most 4
+    /// roundings of the extent from forming the power coefficients) grows like the sum of the
+    /// Bernstein weights: (1 + 2 lengths)³.
     fn grown_error(&self, lengths: f64, size: f64) -> f64 {
         let growth = 1.0 + 2.0 * lengths;
         if !self.is_power_form() {
             let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
             points * growth.powi(3)
         } else if self.error() > 0.0 {
-            let (coarse, growth) = if self.is_bent() {
+            let (coarse, growth) = if self.is_curved() {
                 (1.0 + 64.0 * UNIT_ROUNDOFF * lengths, growth.powi(3))
             } else {
                 (1.0, growth)

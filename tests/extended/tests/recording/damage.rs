@@ -18,7 +18,7 @@ fn records(file: &[u8]) -> Vec<&str> {
 
 /// A file of these records, with prefixes as the format has them.
 fn file_of(records: &[&str]) -> Vec<u8> {
-    let mut file = "nearmiss recording 4\n".to_owned();
+    let mut file = "nearmiss recording 5\n".to_owned();
     let mut checksum = crc32fast::Hasher::new();
     for json in records {
         checksum.update(json.as_bytes());
@@ -207,7 +207,7 @@ fn contradictions_are_refused() {
         ("next_id", serde_json::json!(u64::MAX)),
         ("next_id", serde_json::json!(0)),
         ("history", serde_json::json!(-1.0)),
-        ("end_told", serde_json::json!([])),
+        ("end_reported", serde_json::json!([])),
         (
             "revision_threshold",
             serde_json::json!({"time": -1.0, "separation": 0.0}),

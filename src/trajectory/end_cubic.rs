@@ -41,11 +41,11 @@ pub(super) fn of_states(first: &State, second: &State) -> [[DVec3; 2]; 2] {
         let back = DoubleDouble::difference(first.position[axis], second.position[axis]);
         let [leave, arrive] = [first, second].map(|state| {
             let velocity = state.velocity[axis];
-            let bend = DoubleDouble::product(velocity, most) + back;
+            let excess = DoubleDouble::product(velocity, most) + back;
             if rest.abs() > 0.0 {
-                bend + DoubleDouble::product(velocity, rest)
+                excess + DoubleDouble::product(velocity, rest)
             } else {
-                bend
+                excess
             }
         });
         leaving[axis] = -leave.twice().rounded_sum(arrive);

@@ -1,4 +1,4 @@
-//! Places of bodies in a tree: a body finds one or leaves one, and the nodes above follow.
+//! Lanes of bodies in a tree: a body finds one or leaves one, and the nodes above follow.
 
 use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
 use super::{BoxTree, NOWHERE};
@@ -7,7 +7,7 @@ use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
 impl BoxTree {
-    /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
+    /// Replaces the boxes of some bodies, few of all: each finds the best lane for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
         InstructionSet::best().run(MoveBoxes { tree: self, boxes });
         if self.wear > self.slot_at.len() {
@@ -28,16 +28,16 @@ impl BoxTree {
     /// Sets one body's box, which belongs in a leaf.
     #[inline(always)]
     fn set(&mut self, leaf: usize, body: &BodyBox) {
-        match self.place(body.body) {
-            Some(place) if place / WIDTH == leaf => {
-                let (node, lane, new) = (&mut self.levels[0][leaf], place % WIDTH, &body.aabb);
+        match self.index(body.body) {
+            Some(index) if index / WIDTH == leaf => {
+                let (node, lane, new) = (&mut self.levels[0][leaf], index % WIDTH, &body.aabb);
                 let old = node.get(lane);
                 node.set(lane, corners(new));
                 self.grow(leaf, corners(new));
                 self.shrink(leaf, old);
             }
-            Some(place) => {
-                self.vacate(place);
+            Some(index) => {
+                self.vacate(index);
                 self.insert(leaf, body);
             }
             None => self.insert(leaf, body),
@@ -45,16 +45,16 @@ impl BoxTree {
     }
 
     #[inline(always)]
-    pub(super) fn vacate(&mut self, place: usize) {
-        let slot = std::mem::replace(&mut self.slot_at[place], NOWHERE);
-        self.place_of[slot as usize] = NOWHERE;
-        let (node, lane) = (&mut self.levels[0][place / WIDTH], place % WIDTH);
+    pub(super) fn vacate(&mut self, index: usize) {
+        let slot = std::mem::replace(&mut self.slot_at[index], NOWHERE);
+        self.index_of[slot as usize] = NOWHERE;
+        let (node, lane) = (&mut self.levels[0][index / WIDTH], index % WIDTH);
         let old = node.get(lane);
         node.set(lane, EMPTY);
-        self.shrink(place / WIDTH, old);
+        self.shrink(index / WIDTH, old);
     }
 
-    /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
+    /// Gives a lane to a body that has none: the nearest along the curve to the leaf where it
     /// belongs.
     pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
         let leaves = self.leaves();
@@ -66,12 +66,10 @@ impl BoxTree {
                 .chain(after)
                 .filter(|&leaf| leaf < leaves)
             {
-                let places = leaf * WIDTH..(leaf + 1) * WIDTH;
-                let free = self.slot_at[places]
-                    .iter()
-                    .position(|&slot| slot == NOWHERE);
+                let lanes = leaf * WIDTH..(leaf + 1) * WIDTH;
+                let free = self.slot_at[lanes].iter().position(|&slot| slot == NOWHERE);
                 if let Some(lane) = free {
-                    self.take_place(leaf * WIDTH + lane, body);
+                    self.occupy(leaf * WIDTH + lane, body);
                     self.grow(leaf, corners(&body.aabb));
                     return;
                 }
@@ -132,7 +130,7 @@ struct MoveBoxes<'b> {
 }
 
 impl MoveBoxes<'_> {
-    /// Boxes whose places are fetched together: they lie anywhere in memory.
+    /// Boxes whose lanes are fetched together: they lie anywhere in memory.
     const BATCH: usize = 16;
 }
 
@@ -144,14 +142,14 @@ impl Task for MoveBoxes<'_> {
         let tree = self.tree;
         for boxes in self.boxes.chunks(Self::BATCH) {
             for body in boxes {
-                if let Some(place) = tree.place_of.get(body.body as usize) {
-                    prefetch(from_ref(place));
+                if let Some(index) = tree.index_of.get(body.body as usize) {
+                    prefetch(from_ref(index));
                 }
             }
             let mut leaves = [0; Self::BATCH];
             for (leaf, body) in leaves.iter_mut().zip(boxes) {
                 *leaf = tree.leaf_of(&body.aabb);
-                let before = tree.place(body.body).map(|place| place / WIDTH);
+                let before = tree.index(body.body).map(|index| index / WIDTH);
                 for leaf in before.into_iter().chain([*leaf]) {
                     tree.fetch(leaf);
                 }
