@@ -9,7 +9,7 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, Conflict, Error, Hitbox, Layers, Monitor, Orientation,
+    Accuracy, AlertLevel, Body, BodyId, Conflict, Error, Hitbox, Layers, Monitor, Orientation,
     Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
 };
 use rand::RngExt;
@@ -242,6 +242,66 @@ fn radii_are_rounded() {
                 assert_eq!(found, count, "{gap}");
             }
         }
+    }
+}
+
+/// Two bodies of one tag; the one that cannot be followed is told by its id.
+#[test]
+fn the_body_that_cannot_be_followed_is_named() {
+    let state = |t: f64| {
+        State::new(
+            t,
+            t * t * t * 1e290 * DVec3::X,
+            3.0 * t * t * 1e290 * DVec3::X,
+        )
+    };
+    let far = Trajectory::from_states(&[state(0.0), state(1.0)]).unwrap();
+    let far = far.with_outside(Outside::Extrapolate);
+    let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()).with_tag(3);
+    let mut scene = Scene::new();
+    let fine = scene.insert(rest.clone()).unwrap();
+    let window = Window::new(0.0, 1e5).unwrap();
+    let mut monitor = Monitor::new(scene.clone(), 0.0, 1e5, &[AlertLevel::at(1.0)]).unwrap();
+    let bad = scene.insert(Body::new(far.clone()).with_tag(3)).unwrap();
+    let query = Query::new(window);
+    let named = |error: Error, of: BodyId| {
+        let id = match &error {
+            Error::InBody { body: 3, id, .. } => *id,
+            _ => None,
+        };
+        assert_eq!(id, Some(of), "{error}");
+    };
+    named(scene.screen(&query).unwrap_err(), bad);
+    named(scene.conflicts_with(&rest, &query).unwrap_err(), bad);
+    for (a, b) in [(fine, bad), (bad, fine)] {
+        named(scene.closest_approach(a, b, window).unwrap_err(), bad);
+        named(
+            scene.certified_closest_approach(a, b, window).unwrap_err(),
+            bad,
+        );
+    }
+    let made = Monitor::new(scene, 0.0, 1e5, &[AlertLevel::at(1.0)]);
+    named(made.unwrap_err(), bad);
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    named(monitor.what_if(fine, &far, 0).unwrap_err(), fine);
+    named(monitor.set_trajectory(fine, far.clone()).unwrap_err(), fine);
+    // A body that is not there has no id.
+    let new = Body::new(far).with_tag(3);
+    for error in [
+        monitor.what_if_body(&new, 0).unwrap_err(),
+        monitor.scene().conflicts_with(&new, &query).unwrap_err(),
+    ] {
+        assert!(
+            matches!(
+                error,
+                Error::InBody {
+                    body: 3,
+                    id: None,
+                    ..
+                }
+            ),
+            "{error}"
+        );
     }
 }
 

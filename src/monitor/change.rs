@@ -381,7 +381,10 @@ impl Monitor {
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let context = self.terms()?;
         let bodies = self.scene.bodies();
-        let flights = bodies.map(|(id, body)| Ok((id, context.flight_of(body)?)));
+        let flights = bodies.map(|(id, body)| {
+            let flight = context.flight_of(body);
+            Ok((id, flight.map_err(|error| error.with_id(id))?))
+        });
         for (id, flight) in flights.collect::<Result<Vec<_>, Error>>()? {
             self.search.set(id.slot, Some(flight));
         }

@@ -61,7 +61,7 @@ impl Scene {
             for &(id, entry) in chunks[chunk] {
                 let other = &entry.body;
                 // What would make a screening fail does so here.
-                let view = lone_view(other, window)?;
+                let view = lone_view(other, window).map_err(|error| error.with_id(id))?;
                 let reaches = [body.shape().reach(), other.shape().reach(), margin];
                 let is_far = || is_apart(&range, &extremes_in(entry, &view, window), reaches);
                 if !body.layers.admits(other.layers) || is_far() {
