@@ -106,7 +106,8 @@ impl Monitor {
         let flight = self.terms()?.flight(plan, shape, tag)?;
         let own = flight.view(plan, shape);
         let window = (self.now, self.known);
-        if window.1 < window.0 {
+        // Of a single instant nothing is said, as `conflicts` says nothing.
+        if window.1 <= window.0 {
             return Ok(Vec::new());
         }
         let mut conflicts = Vec::new();
