@@ -58,6 +58,13 @@ impl ClosestApproach {
     pub fn relative_position(&self) -> DVec3 {
         self.position_a - self.position_b
     }
+
+    /// Returns true if all its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let vectors = [self.position_a, self.position_b, self.relative_velocity];
+        let numbers = [self.time, self.separation, self.model_error];
+        vectors.into_iter().all(DVec3::is_finite) && numbers.into_iter().all(f64::is_finite)
+    }
 }
 
 /// A maximal interval in which two bodies' separation is at most the margin.

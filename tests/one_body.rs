@@ -9,8 +9,8 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    Accuracy, Body, Conflict, Error, Hitbox, Layers, Orientation, Outside, Query, Scene, Sphere,
-    State, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, Conflict, Error, Hitbox, Layers, Monitor, Orientation,
+    Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -177,6 +177,132 @@ fn two_bodies_without_a_scene_are_as_in_one() {
         }
     }
     assert!(found > 100 && met > 100, "{found} {met}");
+}
+
+/// Returns what the question about the body finds: as many conflicts as a screening with it, and a monitor's.
+fn asked_as_screened(others: &[Body], own: &Body, query: &Query) -> usize {
+    let mut scene = Scene::new();
+    for other in others {
+        scene.insert(other.clone()).unwrap();
+    }
+    let mut with = scene.clone();
+    let id = with.insert(own.clone()).unwrap();
+    let mut screened = with.screen(query).unwrap().conflicts;
+    screened.retain(|one| one.a == id || one.b == id);
+    let asked = scene.conflicts_with(own, query).unwrap();
+    assert_eq!(bits(&asked), bits(&screened), "{query:?}");
+    if query.accuracy() == Accuracy::Exact {
+        let window = query.window().unwrap();
+        let levels = [AlertLevel::at(query.margin())];
+        let lookahead = window.end() - window.start();
+        let mut monitor = Monitor::new(scene, window.start(), lookahead, &levels).unwrap();
+        monitor.advance(window.start(), &mut Vec::new()).unwrap();
+        let asked = monitor.what_if_body(own, 0).unwrap();
+        assert_eq!(bits(&asked), bits(&screened), "{query:?}");
+    }
+    screened.len()
+}
+
+/// The coefficients cancel: each point of the cubic is good to half a metre.
+#[test]
+fn errors_of_segments_count() {
+    let time = f64::from(1 << 30);
+    let (t, window) = (DVec3::X * time, Window::new(time, time + 1.0).unwrap());
+    let cube = [DVec3::X, -3.0 * t, 3.0 * t * time, -t * time * time];
+    let plan = Trajectory::from_coefficients(&[time, time + 1.0], &[cube], TimeBase::Absolute);
+    let moving = Body::new(plan.unwrap());
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let query = Query::new(window).with_accuracy(accuracy);
+        for (x, count) in [(1.01, 1), (1.1, 1), (1.3, 1), (1.45, 1), (2.0, 0)] {
+            let rest = Body::new(Trajectory::at_rest(x * DVec3::X).unwrap());
+            for (own, other) in [(&moving, &rest), (&rest, &moving)] {
+                let found = asked_as_screened(std::slice::from_ref(other), own, &query);
+                assert_eq!(found, count, "{x}");
+            }
+        }
+    }
+}
+
+/// The margin cancels the radii: what is left of them is less than their rounding.
+#[test]
+fn radii_are_rounded() {
+    let ball = |x: f64, radius: f64| {
+        Body::new(Trajectory::at_rest(x * DVec3::X).unwrap())
+            .with_hitbox(Hitbox::sphere(radius).unwrap())
+    };
+    let (large, half) = (2_f64.powi(34), 2_f64.powi(33));
+    let window = Window::new(0.0, 1.0).unwrap();
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let query = Query::new(window).with_accuracy(accuracy);
+        let query = query.with_margin(-(large + half));
+        for (gap, count) in [(1e-6, 1), (1.0, 0)] {
+            let (one, other) = (ball(0.0, large), ball(gap, half + 2_f64.powi(-19)));
+            for (own, other) in [(&one, &other), (&other, &one)] {
+                let found = asked_as_screened(std::slice::from_ref(other), own, &query);
+                assert_eq!(found, count, "{gap}");
+            }
+        }
+    }
+}
+
+/// Two bodies of one tag; the one that cannot be followed is told by its id.
+#[test]
+fn the_body_that_cannot_be_followed_is_named() {
+    let state = |t: f64| {
+        State::new(
+            t,
+            t * t * t * 1e290 * DVec3::X,
+            3.0 * t * t * 1e290 * DVec3::X,
+        )
+    };
+    let far = Trajectory::from_states(&[state(0.0), state(1.0)]).unwrap();
+    let far = far.with_outside(Outside::Extrapolate);
+    let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()).with_tag(3);
+    let mut scene = Scene::new();
+    let fine = scene.insert(rest.clone()).unwrap();
+    let window = Window::new(0.0, 1e5).unwrap();
+    let mut monitor = Monitor::new(scene.clone(), 0.0, 1e5, &[AlertLevel::at(1.0)]).unwrap();
+    let bad = scene.insert(Body::new(far.clone()).with_tag(3)).unwrap();
+    let query = Query::new(window);
+    let named = |error: Error, of: BodyId| {
+        let id = match &error {
+            Error::InBody { body: 3, id, .. } => *id,
+            _ => None,
+        };
+        assert_eq!(id, Some(of), "{error}");
+    };
+    named(scene.screen(&query).unwrap_err(), bad);
+    named(scene.conflicts_with(&rest, &query).unwrap_err(), bad);
+    for (a, b) in [(fine, bad), (bad, fine)] {
+        named(scene.closest_approach(a, b, window).unwrap_err(), bad);
+        named(
+            scene.certified_closest_approach(a, b, window).unwrap_err(),
+            bad,
+        );
+    }
+    let made = Monitor::new(scene, 0.0, 1e5, &[AlertLevel::at(1.0)]);
+    named(made.unwrap_err(), bad);
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    named(monitor.what_if(fine, &far, 0).unwrap_err(), fine);
+    named(monitor.set_trajectory(fine, far.clone()).unwrap_err(), fine);
+    // A body that is not there has no id.
+    let new = Body::new(far).with_tag(3);
+    for error in [
+        monitor.what_if_body(&new, 0).unwrap_err(),
+        monitor.scene().conflicts_with(&new, &query).unwrap_err(),
+    ] {
+        assert!(
+            matches!(
+                error,
+                Error::InBody {
+                    body: 3,
+                    id: None,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
 }
 
 #[test]

@@ -310,12 +310,9 @@ impl Monitor {
                 self.scene.swap_trajectory(id, trajectory)?;
                 self.watch_plan_end(id);
             }
-            if let Some(hitbox) = change.hitbox.take() {
-                drop(self.scene.set_hitbox(id, hitbox)?);
-            }
-            if let Some(orientation) = change.orientation.take() {
-                drop(self.scene.set_orientation(id, orientation)?);
-            }
+            // They were checked together: either alone may contradict the old other one.
+            let (hitbox, orientation) = (change.hitbox.take(), change.orientation.take());
+            self.scene.set_shape(id, hitbox, orientation)?;
             if let Some(layers) = change.layers {
                 self.scene.set_layers(id, layers)?;
             }
@@ -384,7 +381,10 @@ impl Monitor {
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let context = self.change_context()?;
         let bodies = self.scene.bodies();
-        let prepared = bodies.map(|(id, body)| Ok((id, context.monitored_body_of(body)?)));
+        let prepared = bodies.map(|(id, body)| {
+            let monitored = context.monitored_body_of(body);
+            Ok((id, monitored.map_err(|error| error.with_id(id))?))
+        });
         for (id, monitored) in prepared.collect::<Result<Vec<_>, Error>>()? {
             self.search.set(id.slot, Some(monitored));
         }

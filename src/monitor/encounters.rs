@@ -69,6 +69,19 @@ impl SentNumbers {
         }
     }
 
+    fn are_finite(&self) -> bool {
+        let Self {
+            enter,
+            exit,
+            open: _,
+            closest_time,
+            separation,
+            model_error,
+        } = *self;
+        let numbers = [enter, exit, closest_time, separation, model_error];
+        numbers.into_iter().all(f64::is_finite)
+    }
+
     /// Returns false if the bodies may still have been closing in, at an open end.
     fn knows_closest(&self) -> bool {
         !(self.open && self.closest_time >= self.exit)
@@ -83,12 +96,16 @@ pub(super) struct Saved(Vec<TrackedEncounter>);
 impl Saved {
     /// Returns true if a monitor of this scene that has reported all up to `reported` (s) can have had these.
     pub(super) fn could_be(&self, level: usize, reported: f64, scene: &Scene) -> bool {
-        self.0.iter().all(|TrackedEncounter { now, begun, .. }| {
+        self.0.iter().all(|tracked| {
+            let TrackedEncounter {
+                now, sent, passed, ..
+            } = tracked;
             let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
             let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
-            let is_of_level = now.level == level;
-            let has_begun = !begun || now.enter <= reported;
-            are_there && now.a < now.b && is_of_level && has_begun && now.enter <= now.exit
+            let is_of_level = now.level == level && now.could_be(level + 1);
+            let is_begun = tracked.begun == (now.enter <= reported);
+            let is_passed = passed.is_none_or(|passed| tracked.begun && passed.is_finite());
+            are_there && is_of_level && is_begun && is_passed && sent.are_finite()
         })
     }
 

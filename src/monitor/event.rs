@@ -75,6 +75,15 @@ pub struct Encounter {
     pub closest: ClosestApproach,
 }
 
+impl Encounter {
+    /// Returns true if a monitor with so many levels can have it: for an encounter from a file.
+    pub(super) fn could_be(&self, levels: usize) -> bool {
+        let is_interval =
+            self.enter.is_finite() && self.exit.is_finite() && self.enter <= self.exit;
+        self.a < self.b && self.level < levels && is_interval && self.closest.is_finite()
+    }
+}
+
 impl fmt::Display for Encounter {
     /// Formats one line: id, level, bodies, interval, closest approach. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

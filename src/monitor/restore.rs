@@ -3,7 +3,7 @@
 use super::encounters::{EncounterTracker, Saved};
 use super::snapshot::Snapshot;
 use super::{EventKind, Monitor, check_revision_threshold, check_setting};
-use crate::error::{Error, MAX_MAGNITUDE};
+use crate::error::Error;
 use crate::rounding::one_zero;
 
 /// Largest number of encounters of a snapshot: later ones can be counted.
@@ -62,8 +62,7 @@ impl Monitor {
     /// Before that tick, it knows what the other one knew if another tick at the same time would have changed
     /// nothing then. Else, as between a change and the next tick, it knows nothing yet:
     /// [`complete_until`](Self::complete_until) is the instant up to which events were reported, there are no
-    /// [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) finds none after that
-    /// instant.
+    /// [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) finds none.
     ///
     /// # Errors
     ///
@@ -80,12 +79,7 @@ impl Monitor {
             ..
         } = snapshot;
         let mut monitor = Self::new(scene, reported, lookahead, &levels)?;
-        if !(now >= reported && now <= MAX_MAGNITUDE) {
-            return Err(Error::ClockWentBack {
-                now: reported,
-                time: now,
-            });
-        }
+        monitor.check_clock(now)?;
         let contradiction = |problem| Err(Error::Snapshot { problem });
         let lengths = [snapshot.encounters.len(), snapshot.end_reported.len()];
         if lengths != [levels.len(), monitor.scene.slots()] {
@@ -99,7 +93,12 @@ impl Monitor {
         let mut ids = Vec::new();
         for event in &snapshot.pending_events {
             match event.kind {
-                EventKind::Ended(it, _) | EventKind::Withdrawn(it) => ids.push(it.id.0),
+                EventKind::Ended(it, _) | EventKind::Withdrawn(it) => {
+                    if !(event.time.is_finite() && it.could_be(levels.len())) {
+                        return contradiction("its encounters cannot be");
+                    }
+                    ids.push(it.id.0);
+                }
                 _ => return contradiction("what waits to be reported is no end"),
             }
         }

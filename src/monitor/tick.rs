@@ -114,16 +114,7 @@ impl Monitor {
     ) -> Result<(), Error> {
         let begin = Instant::now();
         let now = one_zero(now);
-        if now < self.now {
-            return Err(Error::ClockWentBack {
-                now: self.now,
-                time: now,
-            });
-        }
-        let length = self.lookahead / Grid::FEWEST;
-        if now > MAX_MAGNITUDE || !can_tell_apart(now, length) {
-            return Err(Error::Clock { time: now });
-        }
+        self.check_clock(now)?;
         if now <= self.now && self.has_reported_all() {
             self.stats = Stats {
                 bodies: self.scene.len() as u64,
@@ -196,6 +187,25 @@ impl Monitor {
             known,
             work: meter.done(),
         });
+        Ok(())
+    }
+
+    /// Checks that the clock can go on to `now` (s).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ClockWentBack`], [`Error::Clock`].
+    pub(super) fn check_clock(&self, now: f64) -> Result<(), Error> {
+        if now < self.now {
+            return Err(Error::ClockWentBack {
+                now: self.now,
+                time: now,
+            });
+        }
+        let length = self.lookahead / Grid::FEWEST;
+        if now > MAX_MAGNITUDE || !can_tell_apart(now, length) {
+            return Err(Error::Clock { time: now });
+        }
         Ok(())
     }
 

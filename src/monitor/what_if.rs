@@ -52,7 +52,8 @@ impl Monitor {
         let (margin, _) = self.search.margin_and_frame();
         let filter = SlotAdmission::of(&self.scene, margin, None);
         let admits = |other: u32| filter.admits(id.slot.min(other), id.slot.max(other));
-        self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits)
+        let found = self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits);
+        found.map_err(|error| error.with_id(id))
     }
 
     /// Returns the conflicts at a level, from now to [`complete_until`](Self::complete_until), that a body
@@ -105,7 +106,8 @@ impl Monitor {
         let monitored = self.change_context()?.monitored_body(plan, shape, tag)?;
         let own = monitored.view(plan, shape);
         let window = (self.now, self.known);
-        if window.1 < window.0 {
+        // Of a single instant nothing is said, as `conflicts` says nothing.
+        if window.1 <= window.0 {
             return Ok(Vec::new());
         }
         let mut conflicts = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::{Body, Scene};
 use crate::error::Error;
+use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::orientation::{Orientation, TrackedSpin};
 use crate::trajectory::Trajectory;
@@ -92,6 +93,29 @@ impl Scene {
         let checked = Body::check_turning(&body.hitbox, &orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;
         Ok(std::mem::replace(&mut entry.body.orientation, orientation))
+    }
+
+    /// Replaces the hitbox and the orientation of a body, each if it is given. The caller has checked that the
+    /// outcome can turn.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownBody`].
+    pub(crate) fn set_shape(
+        &mut self,
+        id: BodyId,
+        hitbox: Option<Hitbox>,
+        orientation: Option<Orientation>,
+    ) -> Result<(), Error> {
+        let body = &mut self.entry_mut(id)?.0.body;
+        if let Some(orientation) = orientation {
+            body.orientation = orientation;
+        }
+        if let Some(hitbox) = hitbox {
+            body.hitbox = hitbox;
+            self.note_shape(id);
+        }
+        Ok(())
     }
 
     /// Lets a body follow a spin from an instant `from` (s) on, and forgets what ends before `since`

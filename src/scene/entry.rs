@@ -11,6 +11,8 @@ use std::sync::OnceLock;
 pub(crate) struct MotionSummary {
     /// Approximate extremes of all segments, m.
     pub(crate) extremes: DAabb,
+    /// Largest error of a segment's points, m.
+    pub(crate) error: f64,
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
     /// Header of the compact trajectory; its lines are stored separately.
@@ -23,6 +25,7 @@ impl MotionSummary {
         let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
         let mut summary = Self {
             extremes,
+            error: segments.iter().map(Segment::error).fold(0.0, f64::max),
             path: segments.iter().map(Segment::extent).sum(),
             compact,
         };

@@ -164,7 +164,7 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<ClosestApproach>, Error> {
-        let (a, b) = self.both(a, b)?;
+        let (a, b) = self.both(a, b, window)?;
         pair::closest_approach(a, b, window)
     }
 
@@ -198,14 +198,19 @@ impl Scene {
         b: BodyId,
         window: Window,
     ) -> Result<Option<CertifiedApproach>, Error> {
-        let (a, b) = self.both(a, b)?;
+        let (a, b) = self.both(a, b, window)?;
         pair::certified_closest_approach(a, b, window)
     }
 
-    /// Returns two different bodies.
-    fn both(&self, a: BodyId, b: BodyId) -> Result<(&Body, &Body), Error> {
+    /// Returns two different bodies, if they can be followed over a window.
+    fn both(&self, a: BodyId, b: BodyId, window: Window) -> Result<(&Body, &Body), Error> {
         self.pair(a, b)?;
-        let body = |id| self.body(id).ok_or(Error::UnknownBody { id });
+        let body = |id| {
+            let body = self.body(id).ok_or(Error::UnknownBody { id })?;
+            // The module `pair` does not know ids.
+            prepared::lone_view(body, window).map_err(|error| error.with_id(id))?;
+            Ok(body)
+        };
         Ok((body(a)?, body(b)?))
     }
 

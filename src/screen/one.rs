@@ -62,8 +62,8 @@ impl Scene {
                 let other = &entry.body;
                 // What would make a screening fail does so here.
                 let view = lone_view(other, window).map_err(|error| error.with_id(id))?;
-                let reach = body.shape().reach() + other.shape().reach() + margin;
-                let is_far = || is_apart(&range, &extremes_in(entry, &view, window), reach);
+                let reaches = [body.shape().reach(), other.shape().reach(), margin];
+                let is_far = || is_apart(&range, &extremes_in(entry, &view, window), reaches);
                 if !body.layers.admits(other.layers) || is_far() {
                     continue;
                 }
@@ -91,7 +91,11 @@ fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, window: Window) -> DAabb
         extremes_of(view, window)
     } else {
         // Known: that of the whole plan.
-        entry.summary().extremes
+        let summary = entry.summary();
+        DAabb {
+            low: summary.extremes.low - summary.error,
+            high: summary.extremes.high + summary.error,
+        }
     }
 }
 
@@ -117,13 +121,14 @@ fn extremes_of(view: &BodyView<'_>, window: Window) -> DAabb {
     extremes
 }
 
-/// Returns true if two boxes are certainly farther apart than `reach` (m) on some axis.
-fn is_apart(one: &DAabb, other: &DAabb, reach: f64) -> bool {
-    /// Bound of the rounding of the boxes, relative to their coordinates: far above the true one.
+/// Returns true if two boxes are certainly farther apart on some axis than two reaches and a margin, which may be
+/// negative, add up to (m).
+fn is_apart(one: &DAabb, other: &DAabb, reaches: [f64; 3]) -> bool {
+    /// Bound of the rounding of the boxes and the sum, relative to their numbers: far above the true one.
     const ROUNDING: f64 = 1e-12;
     let size = [one.low, one.high, other.low, other.high].map(|corner| corner.abs().max_element());
-    let size = size.into_iter().fold(reach.abs(), f64::max);
-    let room = reach + ROUNDING * size;
+    let sizes = size.into_iter().chain(reaches.map(f64::abs));
+    let room = reaches.iter().sum::<f64>() + ROUNDING * sizes.fold(0.0, f64::max);
     let gap = (one.low - other.high).max(other.low - one.high);
     gap.max_element() > room
 }

@@ -109,7 +109,12 @@ impl Segment {
             check_vector(knot, Quantity::Position, coefficient)?;
         }
         numbers[8..14].fill(0.0);
-        Ok(Self::from_numbers(numbers, knot)?.with_coefficients(higher))
+        let line = Self::from_numbers(numbers, knot)?;
+        // As Bézier points they would be bounded by the extent.
+        if !line.is_power_form() {
+            return Err(Error::Contradiction { knot });
+        }
+        Ok(line.with_coefficients(higher))
     }
 
     /// Rebuilds a segment after checking its numbers; `knot` is the number of its end knot.

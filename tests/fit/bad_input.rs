@@ -46,6 +46,31 @@ fn windows() {
     }
 }
 
+/// Windows with hardly an instant between their ends.
+#[test]
+fn shortest_windows() {
+    let least = f64::from_bits(1);
+    for start in [0.0, -least, 1.0] {
+        for length in [1.0, 2.0, 30.0, 500.0, 513.0, 4e4] {
+            let end = f64::max(start + length * least, start.next_up());
+            let window = Window::new(start, end).unwrap();
+            let constant = |_: f64| (DVec3::X, DVec3::ZERO);
+            let bounded = FitOptions::default().with_fourth_derivative(0.0);
+            for options in [FitOptions::default(), bounded] {
+                let fit = Trajectory::fit_with(constant, window, 0.01, &options).unwrap();
+                assert_eq!(fit.trajectory.knots(), [start, end]);
+                match Trajectory::fit_with(straight, window, 0.01, &options) {
+                    Ok(fit) => assert_eq!(fit.trajectory.knots(), [start, end]),
+                    // Numbers of a cubic so short are out of range, unless it rests.
+                    Err(error) => {
+                        assert!(start < 1.0 && matches!(error, Error::FitUnreachable { .. }));
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn options() {
     let none = FitOptions::default();

@@ -268,3 +268,56 @@ fn a_turning_body_that_comes_later_is_met_in_time() {
         assert_eq!(began, Some(from));
     }
 }
+
+/// Of a batch the outcome counts, not what is between: a body that turned is a half-space that does not, and
+/// later again a cluster that turns.
+#[test]
+fn a_turning_body_becomes_a_half_space_in_a_batch() {
+    let arm = Sphere {
+        offset: DVec3::X,
+        radius: 0.5,
+    };
+    let arm = Hitbox::cluster(vec![arm]).unwrap();
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
+    let rest = |height: f64| Trajectory::at_rest(height * DVec3::Z).unwrap();
+    let body = |height: f64| nearmiss::Body::new(rest(height)).with_hitbox(arm.clone());
+    let floor = Hitbox::half_space(DVec3::Z).unwrap();
+    for spun_first in [false, true] {
+        let mut scene = Scene::new();
+        let turning = body(50.0).with_orientation(spin.clone());
+        let changed = scene.insert(turning).unwrap();
+        let removed = scene.insert(body(60.0)).unwrap();
+        let level = AlertLevel::at(1.0);
+        let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[level]).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        let mut shape = [
+            Command::SetOrientation(changed, Orientation::FIXED),
+            Command::SetHitbox(changed, floor.clone()),
+        ];
+        let mut back = [
+            Command::SetOrientation(changed, spin.clone()),
+            Command::SetHitbox(changed, arm.clone()),
+        ];
+        if spun_first {
+            shape.reverse();
+            back.reverse();
+        }
+        let others = [
+            Command::Remove(removed),
+            Command::SetTrajectory(changed, rest(0.0)),
+            Command::Insert(body(1.0)),
+        ];
+        let inserted = monitor.apply(others.into_iter().chain(shape)).unwrap();
+        assert_eq!(inserted.len(), 1);
+        assert!(monitor.scene().body(removed).is_none());
+        for (time, commands) in [(1.0, None), (2.0, Some(back)), (3.0, None)] {
+            monitor.apply(commands.into_iter().flatten()).unwrap();
+            monitor.advance(time, &mut Vec::new()).unwrap();
+            let window = Window::new(time, time + LOOKAHEAD).unwrap();
+            let query = Query::new(window).with_margin(level.margin);
+            let screened = monitor.scene().screen(&query).unwrap().conflicts;
+            assert_eq!(monitor.conflicts(0).unwrap(), screened, "{time}");
+            assert!(!screened.is_empty(), "{time}");
+        }
+    }
+}

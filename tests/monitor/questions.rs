@@ -3,9 +3,10 @@
 use super::hitbox;
 use super::scenarios::tick;
 use super::support::{bits, rng, rng as support_rng, vector, wander, with_every_change};
+use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Layers, Monitor, Outside, Query, Scene, State, Trajectory,
-    Window,
+    AlertLevel, Body, BodyId, Budget, Hitbox, Layers, Monitor, Outside, Query, Scene, State,
+    Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -250,4 +251,35 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
         }
     }
     assert!(found > 2_000, "{found}");
+}
+
+/// While nothing after now is known, no question is answered: as [`Monitor::conflicts`] says none.
+#[test]
+fn nothing_is_found_before_the_first_tick() {
+    let rest = |height: f64| Body::new(Trajectory::at_rest(height * DVec3::Z).unwrap());
+    let floor = rest(0.0).with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
+    let plan = Trajectory::at_rest(0.25 * DVec3::Z).unwrap();
+    for (others, found) in [(vec![rest(0.5)], 1), (vec![rest(0.5), floor], 2)] {
+        let mut scene = Scene::new();
+        let mut ids = others
+            .into_iter()
+            .map(|other| scene.insert(other).unwrap())
+            .collect::<Vec<_>>();
+        ids.truncate(1);
+        let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+        let asked = |monitor: &Monitor| {
+            let of_plan = monitor.what_if(ids[0], &plan, 0).unwrap();
+            let of_body = monitor.what_if_body(&rest(0.0), 0).unwrap();
+            [of_plan.len(), of_body.len()]
+        };
+        assert_eq!(asked(&monitor), [0; 2]);
+        tick(&mut monitor, 0.0);
+        assert_eq!(asked(&monitor), [found - 1, found]);
+        // The clock goes on, and no work is allowed.
+        let none = Budget::Work(0);
+        monitor.advance_within(99.0, none, &mut Vec::new()).unwrap();
+        assert!(monitor.complete_until() <= monitor.now());
+        assert_eq!(asked(&monitor), [0; 2]);
+        assert!(monitor.conflicts(0).unwrap().is_empty());
+    }
 }

@@ -27,6 +27,9 @@ const BESIDE: f64 = 0.035;
 /// Least number of instants at which a motion is examined over the whole window.
 const INSTANTS: f64 = 1024.0;
 
+/// Least time between two instants, s.
+const LEAST_STEP: f64 = f64::from_bits(1);
+
 /// Fractional part of the golden ratio: its multiples fill an interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -124,7 +127,7 @@ impl Trajectory {
             motion,
             tolerance,
             ulps: options.ulps,
-            interval: (ends[1] - ends[0]) / INSTANTS,
+            interval: ((ends[1] - ends[0]) / INSTANTS).max(LEAST_STEP),
             known: [None; 2],
         };
         let (max_knots, is_proven) = (options.max_knots, options.fourth_derivative.is_some());

@@ -255,6 +255,28 @@ fn bad_numbers_are_refused() {
     assert!(serde_json::from_str::<Hitbox>("[]").is_err());
 }
 
+/// The motions before and after the knots are in powers of time: as Bézier points, their bends would have no bound.
+#[test]
+fn end_motions_in_another_form_are_refused() {
+    let states = [0.0, 1.0].map(|t| State::new(t, DVec3::X * t, DVec3::X));
+    let plan = Trajectory::from_states(&states).unwrap();
+    let plan = plan.with_outside(Outside::Extrapolate);
+    let written = serde_json::to_value(&plan).unwrap();
+    let read = |numbers: serde_json::Value| serde_json::from_value::<Trajectory>(numbers);
+    assert_eq!(read(written.clone()).unwrap(), plan);
+    for error in [1e-9, 1e300] {
+        for place in 8..14 {
+            let mut broken = written.clone();
+            let after = &mut broken["ends"][1];
+            assert!(after[15].as_f64().unwrap() <= 0.0);
+            after[15] = error.into();
+            after[place] = 1e300.into();
+            let refused = read(broken).unwrap_err().to_string();
+            assert!(refused.contains("contradict"), "{refused}");
+        }
+    }
+}
+
 /// The model error of a body stays with it; one that is none is refused, and older files have none.
 #[test]
 fn model_errors_in_files() {

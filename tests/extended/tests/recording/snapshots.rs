@@ -2,8 +2,10 @@
 
 use super::{change, live_on, monitor, text};
 use crate::support::rng;
-use nearmiss::{AlertLevel, Error, Event, Monitor, Scene, Snapshot};
+use glam::DVec3;
+use nearmiss::{AlertLevel, Body, Error, Event, Monitor, Scene, Snapshot, State, Trajectory};
 use rand::RngExt;
+use serde_json::Value;
 
 /// From a snapshot, the same changes and ticks lead to the same events, conflicts and encounters; also where it was
 /// taken between changes and a tick, with bodies that were just taken out, behind the clock, and twice.
@@ -74,11 +76,103 @@ fn snapshots_in_files() {
     let (found, other) = lives(Monitor::restore(snapshot).unwrap(), 105);
     assert_eq!((text(&events), end), (text(&found), other));
 
-    let mut numbers: serde_json::Value = serde_json::from_str(&file).unwrap();
+    let mut numbers: Value = serde_json::from_str(&file).unwrap();
     numbers["next_id"] = 0.into();
     let snapshot: Snapshot = serde_json::from_value(numbers).unwrap();
     let refused = Monitor::restore(snapshot).unwrap_err();
     assert!(matches!(refused, Error::Snapshot { .. }), "{refused}");
+}
+
+/// Returns a snapshot from a binary file, in which a number can be no number.
+fn with_nan(written: &Value, place: &str) -> Snapshot {
+    const MARK: f64 = 0.123_456_789;
+    let mut marked = written.clone();
+    *marked.pointer_mut(place).unwrap() = MARK.into();
+    let snapshot: Snapshot = serde_json::from_value(marked).unwrap();
+    let mut file = postcard::to_allocvec(&snapshot).unwrap();
+    let mark = MARK.to_le_bytes();
+    let starts: Vec<usize> = (0..file.len())
+        .filter(|&start| file[start..].starts_with(&mark))
+        .collect();
+    assert_eq!(starts.len(), 1, "{place}");
+    file[starts[0]..][..mark.len()].copy_from_slice(&f64::NAN.to_le_bytes());
+    postcard::from_bytes(&file).unwrap()
+}
+
+/// What no monitor can have is refused, each by itself: one encounter has begun, one lies ahead, one waits to be
+/// reported as over.
+#[test]
+fn encounters_that_cannot_be_are_refused() {
+    let mut scene = Scene::new();
+    let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+    scene.insert(rest).unwrap();
+    let ids = [-1.0, -6.0, 1.5].map(|x| {
+        let state = State::new(0.0, x * DVec3::X, DVec3::X);
+        let body = Body::new(Trajectory::coasting(state).unwrap());
+        scene.insert(body).unwrap()
+    });
+    let mut monitor = Monitor::new(scene, 0.0, 9.0, &[AlertLevel::at(2.0)]).unwrap();
+    monitor.advance(0.25, &mut Vec::new()).unwrap();
+    monitor.remove(ids[2]).unwrap();
+    let written = serde_json::to_value(monitor.snapshot()).unwrap();
+    let restored = |written: &Value| {
+        let snapshot: Snapshot = serde_json::from_value(written.clone()).unwrap();
+        Monitor::restore(snapshot).map(drop)
+    };
+    restored(&written).unwrap();
+    let is_refused = |restored: Result<(), Error>, what: &str| {
+        assert!(matches!(restored, Err(Error::Snapshot { .. })), "{what}");
+    };
+    let closest = [
+        "time",
+        "separation",
+        "position_a/1",
+        "position_b/0",
+        "relative_velocity/2",
+        "model_error",
+    ];
+    let sent = ["enter", "exit", "closest_time", "separation", "model_error"];
+    let over = "/waiting/0/kind/Ended/0/";
+    let mut places = vec!["/waiting/0/time".to_owned()];
+    for number in ["enter", "exit"] {
+        places.push(format!("/encounters/0/1/now/{number}"));
+        places.push(format!("{over}{number}"));
+    }
+    places.extend(closest.map(|number| format!("{over}closest/{number}")));
+    places.extend(closest.map(|number| format!("/encounters/0/0/passed/{number}")));
+    places.extend(closest.map(|number| format!("/encounters/0/1/now/closest/{number}")));
+    places.extend(sent.map(|number| format!("/encounters/0/1/sent/{number}")));
+    for place in &places {
+        let restored = Monitor::restore(with_nan(&written, place));
+        is_refused(restored.map(drop), place);
+    }
+    let begun = &written["encounters"][0][0];
+    assert!(begun["begun"] == true && written["encounters"][0][1]["begun"] == false);
+    for (place, value) in [
+        ("/encounters/0/0/begun", false.into()),
+        ("/encounters/0/1/begun", true.into()),
+        ("/encounters/0/1/passed", begun["passed"].clone()),
+        ("/waiting/0/kind/Ended/0/level", 1.into()),
+    ] {
+        let mut broken = written.clone();
+        *broken.pointer_mut(place).unwrap() = value;
+        is_refused(restored(&broken), place);
+    }
+}
+
+/// A clock that is too large for the lookahead is refused at once, as a tick would refuse it.
+#[test]
+fn a_clock_that_no_tick_can_have_is_refused() {
+    let monitor = Monitor::new(Scene::new(), 3.0, 5.0, &[AlertLevel::at(1.0)]).unwrap();
+    let written = serde_json::to_value(monitor.snapshot()).unwrap();
+    for settled in [false, true] {
+        let mut broken = written.clone();
+        broken["now"] = 1e30.into();
+        broken["settled"] = settled.into();
+        let snapshot: Snapshot = serde_json::from_value(broken).unwrap();
+        let refused = Monitor::restore(snapshot).unwrap_err();
+        assert_eq!(refused, Error::Clock { time: 1e30 });
+    }
 }
 
 /// The snapshot of a monitor of nothing is one of nothing.
