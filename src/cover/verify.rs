@@ -23,8 +23,8 @@ pub enum Coverage {
         /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
         point: DVec3,
     },
-    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter, they would
-    /// contain it.
+    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
+    /// a shape that is a point), they would contain it.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -195,7 +195,8 @@ impl Balls {
                 if self.are_left_out(point) {
                     return Coverage::Uncovered { point };
                 }
-                if piece.slack() < finest || next.len() >= MAX_PIECES {
+                // A point's pieces are points.
+                if piece.slack() <= finest || next.len() >= MAX_PIECES {
                     undecided.get_or_insert(point);
                 } else {
                     next.extend(piece.halves().map(|half| (half, balls.clone())));

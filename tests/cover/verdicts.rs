@@ -4,7 +4,7 @@ use crate::cases::{seeded, torus};
 use crate::{brick, covers, fit};
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::Vector;
-use nearmiss::parry3d::shape::{Ball, Capsule, Cuboid, Shape, TriMesh};
+use nearmiss::parry3d::shape::{Ball, Capsule, Cuboid, Cylinder, Shape, TriMesh};
 use nearmiss::{CoverError, Coverage, Error, Sphere, verify_cover};
 
 fn sphere(offset: DVec3, radius: f64) -> Sphere {
@@ -151,4 +151,21 @@ fn spheres_of_all_kinds() {
         cover.verify(&torus(24, 12)).unwrap(),
         Coverage::Uncovered { .. }
     ));
+}
+
+/// A point is in a sphere, or not, or it is on its surface to rounding.
+#[test]
+fn shapes_that_are_points() {
+    for point in [
+        &Ball::new(0.0) as &dyn Shape,
+        &Cylinder::new(0.0, 0.0),
+        &Capsule::new_y(0.0, 0.0),
+        &Cuboid::new(Vector::ZERO),
+    ] {
+        let verdict = |radius: f64| verify_cover(&[sphere(DVec3::X, radius)], point).unwrap();
+        assert!(!matches!(verdict(1.0), Coverage::Uncovered { .. }));
+        assert_eq!(verdict(1.0 + 1e-6), Coverage::Covered);
+        let left_out = Coverage::Uncovered { point: DVec3::ZERO };
+        assert_eq!(verdict(1.0 - 1e-6), left_out);
+    }
 }
