@@ -7,6 +7,7 @@
 
 mod campaign;
 mod cases;
+mod meshes;
 mod verdicts;
 
 use cases::{Case, cases, other_diagonals, rounded_torus, torus};

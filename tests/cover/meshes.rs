@@ -1,0 +1,146 @@
+//! Meshes and hulls that search and proof find hard.
+
+use crate::fit;
+use nearmiss::glam::DVec3;
+use nearmiss::parry3d::math::{Pose, Vector};
+use nearmiss::parry3d::shape::{Compound, Cuboid, SharedShape, TriMesh};
+use nearmiss::{Coverage, Sphere, verify_cover};
+
+/// A U of unit cells, two deep: its prongs are five wide apart, and four high.
+fn block() -> TriMesh {
+    let outline = [
+        (-3.0, 0.0),
+        (-2.0, 0.0),
+        (2.0, 0.0),
+        (3.0, 0.0),
+        (3.0, 1.0),
+        (3.0, 4.0),
+        (2.0, 4.0),
+        (2.0, 1.0),
+        (-2.0, 1.0),
+        (-2.0, 4.0),
+        (-3.0, 4.0),
+        (-3.0, 1.0),
+    ];
+    let corners = [0.0, 2.0].map(|z| outline.map(|(x, y)| Vector::new(x, y, z)));
+    let mut triangles = Vec::new();
+    for [a, b, c, d] in [
+        [0, 1, 8, 11],
+        [1, 2, 7, 8],
+        [2, 3, 4, 7],
+        [7, 4, 5, 6],
+        [11, 8, 9, 10],
+    ] {
+        triangles.extend([[a, c, b], [a, d, c]]);
+        triangles.extend([[a, b, c], [a, c, d]].map(|upper| upper.map(|corner| corner + 12)));
+    }
+    for corner in 0..12 {
+        let next = (corner + 1) % 12;
+        triangles.extend([[corner, next, next + 12], [corner, next + 12, corner + 12]]);
+    }
+    TriMesh::new(corners.concat(), triangles).unwrap()
+}
+
+/// Spheres at the middles of the block's cells.
+fn in_all_cells(radius: f64) -> Vec<Sphere> {
+    let mut spheres = Vec::new();
+    for x in -3..3 {
+        for y in 0..4 {
+            for z in 0..2 {
+                if y == 0 || x == -3 || x == 2 {
+                    let offset = DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5;
+                    spheres.push(Sphere { offset, radius });
+                }
+            }
+        }
+    }
+    spheres
+}
+
+/// Cuts of cuts cross the gap between the prongs.
+#[test]
+fn gaps_of_meshes_are_not_parts_of_them() {
+    let block = block();
+    let spheres = in_all_cells(0.9);
+    assert_eq!(verify_cover(&spheres, &block).unwrap(), Coverage::Covered);
+    for left_out in 0..spheres.len() {
+        let mut fewer = spheres.clone();
+        let lost = fewer.remove(left_out);
+        let verdict = verify_cover(&fewer, &block).unwrap();
+        let Coverage::Uncovered { point } = verdict else {
+            panic!("{left_out}: {verdict:?}");
+        };
+        let beyond = (point - lost.offset).abs().max_element() - 0.5;
+        assert!(beyond < 1e-9, "{left_out}: {point}");
+    }
+}
+
+/// The mesh of a block needs no larger spheres than boxes of which it is made.
+#[test]
+fn blocks_are_covered_as_well_as_their_parts() {
+    let part = |middle: Vector, half: Vector| {
+        let cuboid = SharedShape::new(Cuboid::new(half));
+        (Pose::from_translation(middle), cuboid)
+    };
+    let prong = Vector::new(0.5, 2.0, 1.0);
+    let compound = Compound::new(vec![
+        part(Vector::new(-2.5, 2.0, 1.0), prong),
+        part(Vector::new(2.5, 2.0, 1.0), prong),
+        part(Vector::new(0.0, 0.5, 1.0), Vector::new(3.0, 0.5, 1.0)),
+    ]);
+    let (mesh, parts) = (fit(&block(), 16), fit(&compound, 16));
+    assert!(
+        mesh.overshoot() <= 1.02 * parts.overshoot(),
+        "{} {}",
+        mesh.overshoot(),
+        parts.overshoot()
+    );
+}
+
+/// A box with a square shaft through it.
+fn frame() -> TriMesh {
+    let corner = |number: usize| {
+        let (x, y) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][number % 4];
+        let size = if number % 8 < 4 { 3.0 } else { 2.0 };
+        Vector::new(size * x, size * y, if number < 8 { 0.0 } else { 1.0 })
+    };
+    let mut triangles = Vec::new();
+    for side in 0..4 {
+        let next = (side + 1) % 4;
+        for [a, b, c, d] in [
+            [side, next, next + 8, side + 8],
+            [next + 4, side + 4, side + 12, next + 12],
+            [side + 8, next + 8, next + 12, side + 12],
+            [next, side, side + 4, next + 4],
+        ] {
+            let corners = [a, b, c, d].map(|corner| u32::try_from(corner).unwrap());
+            let [a, b, c, d] = corners;
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    TriMesh::new((0..16).map(corner).collect(), triangles).unwrap()
+}
+
+/// Cuts across the shaft are rings.
+#[test]
+fn shafts_of_meshes_are_not_parts_of_them() {
+    let mut spheres = Vec::new();
+    for x in -3..3 {
+        for y in -3..3 {
+            if x == -3 || x == 2 || y == -3 || y == 2 {
+                let offset = DVec3::new(f64::from(x), f64::from(y), 0.0) + 0.5;
+                spheres.push(Sphere {
+                    offset,
+                    radius: 0.9,
+                });
+            }
+        }
+    }
+    assert_eq!(verify_cover(&spheres, &frame()).unwrap(), Coverage::Covered);
+    // Planes at a slant, one after another, through the shaft.
+    for (number, sphere) in (0..).zip(&mut spheres) {
+        sphere.offset.z += 0.02 * f64::from(number % 3 - 1);
+        sphere.radius += 0.01 * f64::from(number % 5);
+    }
+    assert_eq!(verify_cover(&spheres, &frame()).unwrap(), Coverage::Covered);
+}
