@@ -1,10 +1,11 @@
 //! Meshes and hulls that search and proof find hard.
 
+use crate::cases::no_segment_is_left_out;
 use crate::fit;
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
 use nearmiss::parry3d::shape::{Compound, Cuboid, SharedShape, TriMesh};
-use nearmiss::{Coverage, Sphere, verify_cover};
+use nearmiss::{Coverage, Extent, Sphere, verify_cover};
 
 /// A U of unit cells, two deep: its prongs are five wide apart, and four high.
 fn block() -> TriMesh {
@@ -143,4 +144,56 @@ fn shafts_of_meshes_are_not_parts_of_them() {
         sphere.radius += 0.01 * f64::from(number % 5);
     }
     assert_eq!(verify_cover(&spheres, &frame()).unwrap(), Coverage::Covered);
+}
+
+/// Triangles with two corners in one place are segments.
+#[test]
+fn segments_of_meshes_are_covered() {
+    let row = [0.0, 10.0, 5.0, 10.0, 20.0].map(|x| Vector::new(x, 0.0, 0.0));
+    let mesh = |count: usize, triangles: &[[u32; 3]]| {
+        TriMesh::new(row[..count].to_vec(), triangles.to_vec()).unwrap()
+    };
+    let at_ends = |end: f64| {
+        [0.0, end].map(|x| Sphere {
+            offset: DVec3::X * x,
+            radius: 1.0,
+        })
+    };
+    for segment in [[0, 1, 1], [0, 0, 1], [1, 0, 1]] {
+        let mesh = mesh(2, &[segment]);
+        let verdict = verify_cover(&at_ends(10.0), &mesh).unwrap();
+        assert!(matches!(verdict, Coverage::Uncovered { .. }), "{segment:?}");
+        let cover = fit(&mesh, 2);
+        assert_eq!(cover.extent(), Extent::Surface);
+        no_segment_is_left_out([DVec3::ZERO, DVec3::X * 10.0], &cover);
+        assert_eq!(cover.verify(&mesh).unwrap(), Coverage::Covered);
+        assert!(cover.overshoot() < 2.6, "{}", cover.overshoot());
+    }
+    let point = mesh(1, &[[0, 0, 0]]);
+    assert!(fit(&point, 2).overshoot() < 1e-6);
+
+    // Beside a triangle, and beside a closed surface.
+    let mut points = row.to_vec();
+    points[2].y = 1.0;
+    let flag = TriMesh::new(points, vec![[0, 1, 2], [3, 4, 4]]).unwrap();
+    let spheres = [0.0, 5.0, 10.0, 20.0].map(|x| Sphere {
+        offset: DVec3::X * x,
+        radius: 3.0,
+    });
+    let verdict = verify_cover(&spheres, &flag).unwrap();
+    assert!(matches!(verdict, Coverage::Uncovered { .. }), "{verdict:?}");
+    let (mut points, mut triangles) = Cuboid::new(Vector::splat(1.0)).to_trimesh();
+    points.push(Vector::new(9.0, 1.0, 1.0));
+    let corner = points.iter().position(|point| *point == Vector::ONE);
+    triangles.push([u32::try_from(corner.unwrap()).unwrap(), 8, 8]);
+    let antenna = TriMesh::new(points, triangles).unwrap();
+    let ends = [(DVec3::ZERO, 1.8), (DVec3::new(9.0, 1.0, 1.0), 1.0)];
+    let ends = ends.map(|(offset, radius)| Sphere { offset, radius });
+    let verdict = verify_cover(&ends, &antenna).unwrap();
+    assert!(matches!(verdict, Coverage::Uncovered { .. }), "{verdict:?}");
+    let cover = fit(&antenna, 3);
+    assert_eq!(cover.extent(), Extent::Volume);
+    assert_eq!(cover.verify(&antenna).unwrap(), Coverage::Covered);
+    let end = DVec3::new(9.0, 1.0, 1.0);
+    no_segment_is_left_out([DVec3::ONE, end], &cover);
 }
