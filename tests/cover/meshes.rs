@@ -1,11 +1,12 @@
 //! Meshes and hulls that search and proof find hard.
 
-use crate::cases::no_segment_is_left_out;
+use crate::cases::{no_segment_is_left_out, seeded};
 use crate::fit;
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
 use nearmiss::parry3d::shape::{Compound, Cuboid, SharedShape, TriMesh};
 use nearmiss::{Coverage, Extent, Sphere, verify_cover};
+use rand::RngExt;
 
 /// A U of unit cells, two deep: its prongs are five wide apart, and four high.
 fn block() -> TriMesh {
@@ -144,6 +145,41 @@ fn shafts_of_meshes_are_not_parts_of_them() {
         sphere.radius += 0.01 * f64::from(number % 5);
     }
     assert_eq!(verify_cover(&spheres, &frame()).unwrap(), Coverage::Covered);
+}
+
+/// Random spheres near the surface leave out something of the mesh, never something of gap or shaft.
+#[test]
+fn uncovered_points_are_in_the_mesh() {
+    let mut random = seeded(11);
+    let in_block = |point: DVec3| {
+        let beyond = (point - DVec3::new(0.0, 2.0, 1.0)).abs() - DVec3::new(3.0, 2.0, 1.0);
+        beyond.max_element() < 1e-9 && (point.y < 1.0 + 1e-9 || point.x.abs() > 2.0 - 1e-9)
+    };
+    let in_frame = |point: DVec3| {
+        let beyond = (point - DVec3::Z * 0.5).abs() - DVec3::new(3.0, 3.0, 0.5);
+        beyond.max_element() < 1e-9 && point.truncate().abs().max_element() > 2.0 - 1e-9
+    };
+    let cases: [(TriMesh, &dyn Fn(DVec3) -> bool); 2] =
+        [(block(), &in_block), (frame(), &in_frame)];
+    for (mesh, is_in) in cases {
+        for trial in 0..400 {
+            let count = random.random_range(2..40);
+            let spheres: Vec<Sphere> = std::iter::repeat_with(|| {
+                DVec3::from_array(std::array::from_fn(|_| random.random_range(-4.0..4.0)))
+            })
+            .filter(|&offset| is_in(offset))
+            .take(count)
+            .map(|offset| Sphere {
+                offset,
+                radius: 0.8,
+            })
+            .collect();
+            let verdict = verify_cover(&spheres, &mesh).unwrap();
+            if let Coverage::Uncovered { point } = verdict {
+                assert!(is_in(point), "{trial}: {point} {spheres:?}");
+            }
+        }
+    }
 }
 
 /// Triangles with two corners in one place are segments.
