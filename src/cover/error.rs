@@ -31,6 +31,15 @@ pub enum CoverError {
         /// The number.
         count: usize,
     },
+    /// An effort above the largest one.
+    #[error(
+        "an effort of {effort}: more than {} times the default number of starts",
+        crate::CoverOptions::MOST_EFFORT
+    )]
+    Effort {
+        /// The effort.
+        effort: u32,
+    },
     /// A target that is negative, NaN or infinite.
     #[error("a target overshoot of {target:?} m is not a finite number of at least 0")]
     Target {

@@ -67,7 +67,7 @@ impl SphereCover {
     ///
     /// - [`CoverError::UnsupportedShape`]: half-spaces, height fields, segments and others.
     /// - [`CoverError::InvalidShape`]: NaN, infinite or negative numbers.
-    /// - [`CoverError::SphereCount`], [`CoverError::Target`]: options out of range.
+    /// - [`CoverError::SphereCount`], [`CoverError::Effort`], [`CoverError::Target`]: options out of range.
     /// - [`CoverError::TargetMissed`]: the largest number of spheres does not reach the target.
     pub fn fit(shape: &dyn Shape, options: &CoverOptions) -> Result<Self, CoverError> {
         Self::fit_with_progress(shape, options, |_| {})
@@ -99,8 +99,12 @@ impl SphereCover {
         if !(1..=CoverOptions::MOST_SPHERES).contains(&most) {
             return Err(CoverError::SphereCount { count: most });
         }
+        let effort = options.effort();
+        if effort > CoverOptions::MOST_EFFORT {
+            return Err(CoverError::Effort { effort });
+        }
         let solid = read(shape)?;
-        let fitter = Fitter::new(&solid, options.seed(), options.effort());
+        let fitter = Fitter::new(&solid, options.seed(), effort);
         let fit = |count: usize| fitter.fit(count, progress);
         let certified = match options.target_overshoot() {
             None => fit(most),

@@ -282,6 +282,20 @@ fn any_number_of_threads_leads_to_the_same_bits() {
     }
 }
 
+#[test]
+fn efforts_have_a_bound() {
+    let with = |shape: &dyn Shape, effort: u32| {
+        SphereCover::fit(shape, &CoverOptions::new(1).with_effort(effort))
+    };
+    assert_eq!(with(&brick(), 0), with(&brick(), 1));
+    let most = CoverOptions::MOST_EFFORT;
+    assert!(with(&Capsule::new_y(1.0, 0.5), most).is_ok());
+    for effort in [most + 1, 1 << 30, u32::MAX] {
+        let refused = Err(CoverError::Effort { effort });
+        assert_eq!(with(&brick(), effort), refused);
+    }
+}
+
 /// The lattice of a box has no seed; a search has.
 #[test]
 fn seeds_lead_to_other_covers() {
