@@ -140,9 +140,9 @@ impl SolidForm {
                 each.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), join)
             }
             Self::Round(round) => {
-                let sideways = (DVec3::ONE - round.axis * round.axis).max(DVec3::ZERO);
-                let reach = round.axis.abs() * round.half_height
-                    + DVec3::from_array(sideways.to_array().map(f64::sqrt)) * round.radii[0];
+                let DVec3 { x, y, z } = round.axis;
+                let sideways = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
+                let reach = round.axis.abs() * round.half_height + sideways * round.radii[0];
                 around(round.middle, reach)
             }
             Self::Capsule { ends, radius } => {
@@ -183,6 +183,31 @@ impl SolidForm {
             }
             Self::Capsule { ends, radius } => {
                 Some(PI * radius.powi(2) * (ends[0].distance(ends[1]) + 4.0 / 3.0 * radius))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An axis nearly along y, whose square is 1 to rounding.
+    #[test]
+    fn boxes_contain_discs_at_a_slant() {
+        for slant in [1e-9, 3e-8, 1e-4, 0.3] {
+            let axis = DVec3::new(slant, 1.0, -slant).normalize();
+            let disc = SolidForm::Round(Round {
+                middle: DVec3::ZERO,
+                axis,
+                radii: [1.0; 2],
+                half_height: 0.0,
+            });
+            let (low, high) = disc.corners();
+            // The disc's highest point is as high as the axis leans.
+            let highest = axis.x.hypot(axis.z);
+            for (end, of_box) in [(-highest, low.y), (highest, high.y)] {
+                assert!((end - of_box).abs() <= 1e-15 * highest, "{slant}: {of_box}");
             }
         }
     }
