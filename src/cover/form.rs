@@ -10,20 +10,8 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    pub(super) const IDENTITY: Self = Self {
-        rotation: DQuat::IDENTITY,
-        translation: DVec3::ZERO,
-    };
-
-    pub(super) fn point(&self, point: DVec3) -> DVec3 {
+    fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
-    }
-
-    pub(super) fn then(&self, outer: &Self) -> Self {
-        Self {
-            rotation: outer.rotation * self.rotation,
-            translation: outer.point(self.translation),
-        }
     }
 }
 
@@ -72,10 +60,10 @@ pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
 }
 
 impl SolidForm {
-    pub(super) fn cuboid(half_extents: DVec3, placement: &Placement) -> Self {
+    pub(super) fn cuboid(half_extents: DVec3) -> Self {
         let corner = |number: usize| {
             let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            placement.point(half_extents * DVec3::new(sign(0), sign(1), sign(2)))
+            half_extents * DVec3::new(sign(0), sign(1), sign(2))
         };
         Self::Hull {
             points: (0..8).map(corner).collect(),
@@ -149,6 +137,34 @@ impl SolidForm {
                 let reach = DVec3::splat(*radius);
                 join(around(ends[0], reach), around(ends[1], reach))
             }
+        }
+    }
+
+    /// Turns and moves the form. Returns a bound of the sums that were rounded, 0 if none was.
+    pub(super) fn place(&mut self, placement: &Placement) -> f64 {
+        // A ball at its own origin only moves.
+        let local = match self {
+            Self::Capsule { ends, .. } => ends[0].length().max(ends[1].length()),
+            _ => {
+                let (low, high) = self.corners();
+                low.abs().max(high.abs()).length()
+            }
+        };
+        let place = |point: &mut DVec3| *point = placement.point(*point);
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
+                points.iter_mut().for_each(place);
+            }
+            Self::Round(round) => {
+                place(&mut round.middle);
+                round.axis = (placement.rotation * round.axis).normalize();
+            }
+            Self::Capsule { ends, .. } => ends.iter_mut().for_each(place),
+        }
+        if local > 0.0 {
+            local + placement.translation.length()
+        } else {
+            0.0
         }
     }
 
