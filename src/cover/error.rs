@@ -66,6 +66,14 @@ pub enum CoverError {
         /// The factor.
         factor: f64,
     },
+    /// A number of a saved cover is negative, NaN or infinite.
+    #[error("a cover whose {field} is {value:?}: not a finite number of at least 0")]
+    Saved {
+        /// The overshoot (m), the diameter (m) or the volume ratio.
+        field: &'static str,
+        /// The number.
+        value: f64,
+    },
     /// A sphere that no hitbox can have.
     #[error(transparent)]
     Sphere(#[from] Error),

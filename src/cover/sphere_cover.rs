@@ -40,6 +40,7 @@ pub enum Extent {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "CoverNumbers"))]
 pub struct SphereCover {
     /// The spheres.
     spheres: Hitbox,
@@ -214,6 +215,49 @@ impl SphereCover {
             diameter: self.diameter * factor,
             spheres: Hitbox::cluster(spheres.collect())?,
             ..*self
+        })
+    }
+}
+
+/// The numbers of a saved cover.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct CoverNumbers {
+    spheres: Hitbox,
+    overshoot: f64,
+    diameter: f64,
+    volume_ratio: Option<f64>,
+    extent: Extent,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<CoverNumbers> for SphereCover {
+    type Error = CoverError;
+
+    fn try_from(numbers: CoverNumbers) -> Result<Self, CoverError> {
+        let CoverNumbers {
+            spheres,
+            overshoot,
+            diameter,
+            volume_ratio,
+            extent,
+        } = numbers;
+        for (field, value) in [
+            ("overshoot", overshoot),
+            ("diameter", diameter),
+            ("volume ratio", volume_ratio.unwrap_or(0.0)),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(CoverError::Saved { field, value });
+            }
+        }
+        Ok(Self {
+            // A half-space has no spheres.
+            spheres: Hitbox::cluster(spheres.spheres().to_vec())?,
+            overshoot,
+            diameter,
+            volume_ratio,
+            extent,
         })
     }
 }

@@ -323,3 +323,30 @@ fn covers_are_saved() {
         .replacen("\"radius\":", "\"radius\":-", 1);
     assert!(serde_json::from_str::<SphereCover>(&broken).is_err());
 }
+
+/// Each number of a saved cover is checked.
+#[cfg(feature = "serde")]
+#[test]
+fn broken_covers_are_not_read() {
+    let cover = fit(&brick(), 2);
+    let good = serde_json::to_value(&cover).unwrap();
+    let read = |value| serde_json::from_value::<SphereCover>(value);
+    assert_eq!(read(good.clone()).unwrap(), cover);
+    for field in ["overshoot", "diameter", "volume_ratio"] {
+        for bad in [-1.0, 2.0 * f64::MAX] {
+            let mut broken = good.clone();
+            broken[field] = serde_json::Value::from(bad);
+            // Infinity is null, which is no number, but no volume either.
+            let allowed = field == "volume_ratio" && broken[field].is_null();
+            assert_eq!(read(broken.clone()).is_ok(), allowed, "{broken}");
+        }
+    }
+    for spheres in [
+        serde_json::json!([]),
+        serde_json::json!({"half_space": [0.0, 0.0, 1.0]}),
+    ] {
+        let mut broken = good.clone();
+        broken["spheres"] = spheres;
+        assert!(read(broken.clone()).is_err(), "{broken}");
+    }
+}
