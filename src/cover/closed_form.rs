@@ -15,10 +15,13 @@ const SPARE: f64 = 2e-7;
 /// the axis, so half their distance h has h² + r² = R², and the segment's length is
 /// 2 E + 2 (K - 1) h.
 pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
+    // The same proof for given spheres needs some of it.
+    let rounding = 4.0 * solid.rounding;
     if solid.diameter <= 0.0 {
+        let radius = if solid.is_exact { 0.0 } else { rounding };
         return Some(Certified {
-            balls: vec![(DVec3::ZERO, 0.0)],
-            overshoot: 0.0,
+            balls: vec![(DVec3::ZERO, radius)],
+            overshoot: 2.0 * radius,
         });
     }
     let [SolidPart::Convex(convex)] = &solid.parts[..] else {
@@ -29,9 +32,12 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
     };
     let length = ends[0].distance(ends[1]);
     if length <= 0.0 {
+        // At the origin a ball is what was given.
+        let is_given = solid.balls[0].is_some_and(|ball| ball.offset == solid.origin);
+        let spare = if is_given { 0.0 } else { rounding };
         return Some(Certified {
-            balls: vec![(ends[0], *radius)],
-            overshoot: 0.0,
+            balls: vec![(ends[0], radius + spare)],
+            overshoot: 2.0 * spare,
         });
     }
     #[allow(clippy::cast_precision_loss, reason = "a small count")]
@@ -54,7 +60,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
     };
     let mut along = high;
     let mut balls = Vec::with_capacity(count);
-    let spare = SPARE * solid.diameter + solid.rounding;
+    let spare = SPARE * solid.diameter + rounding;
     for _ in 0..count {
         balls.push((ends[0] + direction * along, radius + high + spare));
         along += spacing;

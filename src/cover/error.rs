@@ -31,6 +31,15 @@ pub enum CoverError {
         /// The number.
         count: usize,
     },
+    /// An effort above the largest one.
+    #[error(
+        "an effort of {effort}: more than {} times the default number of starts",
+        crate::CoverOptions::MOST_EFFORT
+    )]
+    Effort {
+        /// The effort.
+        effort: u32,
+    },
     /// A target that is negative, NaN or infinite.
     #[error("a target overshoot of {target:?} m is not a finite number of at least 0")]
     Target {
@@ -56,6 +65,14 @@ pub enum CoverError {
     Scale {
         /// The factor.
         factor: f64,
+    },
+    /// A number of a saved cover is negative, NaN or infinite.
+    #[error("a cover whose {field} is {value:?}: not a finite number of at least 0")]
+    Saved {
+        /// The overshoot (m), the diameter (m) or the volume ratio.
+        field: &'static str,
+        /// The number.
+        value: f64,
     },
     /// A sphere that no hitbox can have.
     #[error(transparent)]

@@ -10,20 +10,8 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    pub(super) const IDENTITY: Self = Self {
-        rotation: DQuat::IDENTITY,
-        translation: DVec3::ZERO,
-    };
-
-    pub(super) fn point(&self, point: DVec3) -> DVec3 {
+    fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
-    }
-
-    pub(super) fn then(&self, outer: &Self) -> Self {
-        Self {
-            rotation: outer.rotation * self.rotation,
-            translation: outer.point(self.translation),
-        }
     }
 }
 
@@ -72,10 +60,10 @@ pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
 }
 
 impl SolidForm {
-    pub(super) fn cuboid(half_extents: DVec3, placement: &Placement) -> Self {
+    pub(super) fn cuboid(half_extents: DVec3) -> Self {
         let corner = |number: usize| {
             let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            placement.point(half_extents * DVec3::new(sign(0), sign(1), sign(2)))
+            half_extents * DVec3::new(sign(0), sign(1), sign(2))
         };
         Self::Hull {
             points: (0..8).map(corner).collect(),
@@ -140,15 +128,43 @@ impl SolidForm {
                 each.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), join)
             }
             Self::Round(round) => {
-                let sideways = (DVec3::ONE - round.axis * round.axis).max(DVec3::ZERO);
-                let reach = round.axis.abs() * round.half_height
-                    + DVec3::from_array(sideways.to_array().map(f64::sqrt)) * round.radii[0];
+                let DVec3 { x, y, z } = round.axis;
+                let sideways = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
+                let reach = round.axis.abs() * round.half_height + sideways * round.radii[0];
                 around(round.middle, reach)
             }
             Self::Capsule { ends, radius } => {
                 let reach = DVec3::splat(*radius);
                 join(around(ends[0], reach), around(ends[1], reach))
             }
+        }
+    }
+
+    /// Turns and moves the form. Returns a bound of the sums that were rounded, 0 if none was.
+    pub(super) fn place(&mut self, placement: &Placement) -> f64 {
+        // A ball at its own origin only moves.
+        let local = match self {
+            Self::Capsule { ends, .. } => ends[0].length().max(ends[1].length()),
+            _ => {
+                let (low, high) = self.corners();
+                low.abs().max(high.abs()).length()
+            }
+        };
+        let place = |point: &mut DVec3| *point = placement.point(*point);
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
+                points.iter_mut().for_each(place);
+            }
+            Self::Round(round) => {
+                place(&mut round.middle);
+                round.axis = (placement.rotation * round.axis).normalize();
+            }
+            Self::Capsule { ends, .. } => ends.iter_mut().for_each(place),
+        }
+        if local > 0.0 {
+            local + placement.translation.length()
+        } else {
+            0.0
         }
     }
 
@@ -183,6 +199,31 @@ impl SolidForm {
             }
             Self::Capsule { ends, radius } => {
                 Some(PI * radius.powi(2) * (ends[0].distance(ends[1]) + 4.0 / 3.0 * radius))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An axis nearly along y, whose square is 1 to rounding.
+    #[test]
+    fn boxes_contain_discs_at_a_slant() {
+        for slant in [1e-9, 3e-8, 1e-4, 0.3] {
+            let axis = DVec3::new(slant, 1.0, -slant).normalize();
+            let disc = SolidForm::Round(Round {
+                middle: DVec3::ZERO,
+                axis,
+                radii: [1.0; 2],
+                half_height: 0.0,
+            });
+            let (low, high) = disc.corners();
+            // The disc's highest point is as high as the axis leans.
+            let highest = axis.x.hypot(axis.z);
+            for (end, of_box) in [(-highest, low.y), (highest, high.y)] {
+                assert!((end - of_box).abs() <= 1e-15 * highest, "{slant}: {of_box}");
             }
         }
     }

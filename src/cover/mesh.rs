@@ -7,7 +7,8 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
     points: Vec<DVec3>,
-    /// Triangles in the order of the tree's leaves, as numbers of their points.
+    /// Triangles in the order of the tree's leaves, as numbers of their points. The last two are
+    /// the same where a triangle is a segment, or a point.
     triangles: Vec<[usize; 3]>,
     nodes: Vec<Node>,
     /// True if each edge is passed as often one way as the other.
@@ -28,10 +29,17 @@ struct Node {
 const LEAF: usize = 4;
 
 impl Mesh {
-    /// Takes points of one place for one point.
+    /// Takes points of one place for one point. A triangle with two of its corners there is a segment of the
+    /// surface.
     pub(super) fn new(points: Vec<DVec3>, mut triangles: Vec<[usize; 3]>) -> Self {
         weld(&points, &mut triangles);
-        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        for [a, b, c] in &mut triangles {
+            if a == b {
+                *b = *c;
+            } else if a == c {
+                *c = *b;
+            }
+        }
         let closed = is_closed(&triangles);
         let mut mesh = Self {
             points,
@@ -51,7 +59,9 @@ impl Mesh {
     pub(super) fn surface(&self) -> Surface {
         let mut surface = Surface::new(self.points.clone(), self.closed);
         for triangle in &self.triangles {
-            surface.push_polygon(triangle.iter().copied());
+            let [_, b, c] = triangle;
+            let corners = if b == c { 2 } else { 3 };
+            surface.push_polygon(triangle[..corners].iter().copied());
         }
         surface
     }
@@ -149,6 +159,10 @@ impl Mesh {
             return 0.0;
         }
         let angle = |triangle: &[usize; 3]| {
+            // A segment has no angle, but on it the formula has one.
+            if triangle[1] == triangle[2] {
+                return 0.0;
+            }
             let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
             let lengths = [a.length(), b.length(), c.length()];
             let below = lengths[0] * lengths[1] * lengths[2]
@@ -214,10 +228,11 @@ fn weld(points: &[DVec3], triangles: &mut [[usize; 3]]) {
     }
 }
 
-/// Returns true if each edge is passed as often one way as the other.
+/// Returns true if there are triangles, and each edge is passed as often one way as the other.
 fn is_closed(triangles: &[[usize; 3]]) -> bool {
     let of_triangle = |&[a, b, c]: &[usize; 3]| [(a, b), (b, c), (c, a)];
-    let mut edges: Vec<_> = triangles.iter().flat_map(of_triangle).collect();
+    let with_area = triangles.iter().filter(|[_, b, c]| b != c);
+    let mut edges: Vec<_> = with_area.flat_map(of_triangle).collect();
     let mut back: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
     edges.sort_unstable();
     back.sort_unstable();

@@ -33,6 +33,9 @@ impl CoverOptions {
     /// Largest number of spheres of a fit: 4,096.
     pub const MOST_SPHERES: usize = 4_096;
 
+    /// Largest effort of a fit: 65,536.
+    pub const MOST_EFFORT: u32 = 65_536;
+
     /// Returns options for the least overshoot with at most this many spheres, seed 0.
     #[must_use]
     pub const fn new(max_spheres: usize) -> Self {

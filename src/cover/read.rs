@@ -9,19 +9,25 @@ use parry3d::shape::{ConvexPolyhedron, Shape, TriMesh, TypedShape};
 
 /// Reads a shape, whose numbers count as exact.
 pub(super) fn read(shape: &dyn Shape) -> Result<Solid, CoverError> {
+    let typed = shape.as_typed_shape();
+    let kind = kind(&typed);
     let mut forms = Vec::new();
-    push(shape, &Placement::IDENTITY, &mut forms)?;
-    let kind = kind(&shape.as_typed_shape());
+    if let TypedShape::Compound(compound) = typed {
+        for (pose, part) in compound.shapes() {
+            let mut form = form(&part.as_typed_shape())?;
+            let placement = placement(pose).ok_or(CoverError::InvalidShape { kind })?;
+            let rounded = form.place(&placement);
+            forms.push((form, rounded));
+        }
+    } else {
+        forms.push((form(&typed)?, 0.0));
+    }
     Solid::new(forms).ok_or(CoverError::InvalidShape { kind })
 }
 
-fn push(
-    shape: &dyn Shape,
-    placement: &Placement,
-    forms: &mut Vec<SolidForm>,
-) -> Result<(), CoverError> {
-    let typed = shape.as_typed_shape();
-    let kind = kind(&typed);
+/// Returns the form of a shape that is no compound.
+fn form(typed: &TypedShape<'_>) -> Result<SolidForm, CoverError> {
+    let kind = kind(typed);
     let length = |length: f32| {
         let length = f64::from(length);
         let is_one = length.is_finite() && length >= 0.0;
@@ -31,15 +37,15 @@ fn push(
     };
     let round = |radius: f32, upper: f32, half_height: f32| {
         Ok::<_, CoverError>(SolidForm::Round(Round {
-            middle: placement.translation,
-            axis: (placement.rotation * DVec3::Y).normalize(),
+            middle: DVec3::ZERO,
+            axis: DVec3::Y,
             radii: [length(radius)?, length(upper)?],
             half_height: length(half_height)?,
         }))
     };
-    let form = match typed {
+    Ok(match typed {
         TypedShape::Ball(ball) => SolidForm::Capsule {
-            ends: [placement.translation; 2],
+            ends: [DVec3::ZERO; 2],
             radius: length(ball.radius)?,
         },
         TypedShape::Cuboid(cuboid) => {
@@ -47,32 +53,23 @@ fn push(
             for extent in half_extents {
                 length(extent)?;
             }
-            SolidForm::cuboid(cuboid.half_extents.as_dvec3(), placement)
+            SolidForm::cuboid(cuboid.half_extents.as_dvec3())
         }
         TypedShape::Capsule(capsule) => SolidForm::Capsule {
-            ends: [capsule.segment.a, capsule.segment.b].map(|end| placement.point(end.as_dvec3())),
+            ends: [capsule.segment.a, capsule.segment.b].map(|end| end.as_dvec3()),
             radius: length(capsule.radius)?,
         },
         TypedShape::Cylinder(cylinder) => {
             round(cylinder.radius, cylinder.radius, cylinder.half_height)?
         }
         TypedShape::Cone(cone) => round(cone.radius, 0.0, cone.half_height)?,
-        TypedShape::ConvexPolyhedron(hull) => polyhedron(hull, placement),
-        TypedShape::TriMesh(mesh) => triangles(mesh, placement),
-        TypedShape::Compound(compound) => {
-            for (pose, part) in compound.shapes() {
-                let inner = placement_of(pose).ok_or(CoverError::InvalidShape { kind })?;
-                push(part.as_ref(), &inner.then(placement), forms)?;
-            }
-            return Ok(());
-        }
+        TypedShape::ConvexPolyhedron(hull) => polyhedron(hull),
+        TypedShape::TriMesh(mesh) => triangles(mesh),
         _ => return Err(CoverError::UnsupportedShape { kind }),
-    };
-    forms.push(form);
-    Ok(())
+    })
 }
 
-fn placement_of(pose: &Pose) -> Option<Placement> {
+fn placement(pose: &Pose) -> Option<Placement> {
     let rotation = DQuat::from_array(pose.rotation.to_array().map(f64::from));
     let length = rotation.length();
     (length.is_finite() && length > 0.0).then(|| Placement {
@@ -81,7 +78,7 @@ fn placement_of(pose: &Pose) -> Option<Placement> {
     })
 }
 
-fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> SolidForm {
+fn polyhedron(hull: &ConvexPolyhedron) -> SolidForm {
     let corners = hull.vertices_adj_to_face();
     let polygons = hull.faces().iter().map(|face| {
         let first = face.first_vertex_or_edge as usize;
@@ -90,13 +87,13 @@ fn polyhedron(hull: &ConvexPolyhedron, placement: &Placement) -> SolidForm {
         corners.map(|&corner| corner as usize).collect()
     });
     SolidForm::Hull {
-        points: points(hull.points(), placement),
+        points: points(hull.points()),
         polygons: polygons.collect(),
     }
 }
 
-fn triangles(mesh: &TriMesh, placement: &Placement) -> SolidForm {
-    let all = points(mesh.vertices(), placement);
+fn triangles(mesh: &TriMesh) -> SolidForm {
+    let all = points(mesh.vertices());
     let corners = mesh.indices().iter().flatten();
     let mut used: Vec<usize> = corners.map(|&corner| corner as usize).collect();
     used.sort_unstable();
@@ -109,9 +106,8 @@ fn triangles(mesh: &TriMesh, placement: &Placement) -> SolidForm {
     }
 }
 
-fn points(points: &[parry3d::math::Vector], placement: &Placement) -> Vec<DVec3> {
-    let points = points.iter().map(|point| point.as_dvec3());
-    points.map(|point| placement.point(point)).collect()
+fn points(points: &[parry3d::math::Vector]) -> Vec<DVec3> {
+    points.iter().map(|point| point.as_dvec3()).collect()
 }
 
 const fn kind(shape: &TypedShape<'_>) -> &'static str {

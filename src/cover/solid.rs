@@ -4,6 +4,7 @@ use super::convex::Convex;
 use super::form::SolidForm;
 use super::mesh::Mesh;
 use super::surface::Surface;
+use crate::hitbox::Sphere;
 use crate::parallel;
 use glam::DVec3;
 
@@ -20,6 +21,10 @@ pub(super) struct Solid {
     /// Corners of a box around all parts.
     pub(super) low: DVec3,
     pub(super) high: DVec3,
+    /// Parts that are balls, as they were given; `None` for others, and if a number was rounded.
+    pub(super) balls: Vec<Option<Sphere>>,
+    /// True if no number was rounded when the parts were placed.
+    pub(super) is_exact: bool,
     /// Bound of the error of surfaces and bounds: roundings of the corners.
     pub(super) rounding: f64,
 }
@@ -69,8 +74,12 @@ impl SolidPart {
 }
 
 impl Solid {
-    /// Returns `None` if the forms have no points, or points that are not finite.
-    pub(super) fn new(mut forms: Vec<SolidForm>) -> Option<Self> {
+    /// Takes forms, each with a bound of the sums that were rounded when it was placed. Returns `None` if they have no
+    /// points, or points that are not finite.
+    pub(super) fn new(placed: Vec<(SolidForm, f64)>) -> Option<Self> {
+        let reach = placed.iter().map(|&(_, reach)| reach).fold(0.0, f64::max);
+        let balls = placed.iter().map(ball).collect();
+        let mut forms: Vec<SolidForm> = placed.into_iter().map(|(form, _)| form).collect();
         let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
         let (low, high) = forms.iter().map(SolidForm::corners).reduce(join)?;
         // Corners are the least and largest of numbers: no NaN is among them.
@@ -86,7 +95,7 @@ impl Solid {
         } else {
             1.0
         };
-        let far = low.abs().max(high.abs()).max_element() / unit;
+        let far = low.abs().max(high.abs()).max_element().max(reach) / unit;
         for form in &mut forms {
             form.normalise(origin, unit);
         }
@@ -99,6 +108,8 @@ impl Solid {
         Some(Self {
             rounding: uneven.fold(0.0, f64::max) + 64.0 * f64::EPSILON * (1.0 + far),
             parts,
+            balls,
+            is_exact: reach <= 0.0,
             origin,
             unit,
             diameter,
@@ -141,6 +152,19 @@ impl Solid {
             distances.fold(f64::INFINITY, f64::min) + self.rounding
         };
         parallel::map(places.len(), || (), one)
+    }
+}
+
+/// Returns a form that is a ball, if nothing was rounded.
+fn ball((form, rounded): &(SolidForm, f64)) -> Option<Sphere> {
+    match form {
+        SolidForm::Capsule { ends, radius } if ends[0] == ends[1] && *rounded <= 0.0 => {
+            Some(Sphere {
+                offset: ends[0],
+                radius: *radius,
+            })
+        }
+        _ => None,
     }
 }
 

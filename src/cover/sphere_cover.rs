@@ -40,6 +40,7 @@ pub enum Extent {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "CoverNumbers"))]
 pub struct SphereCover {
     /// The spheres.
     spheres: Hitbox,
@@ -67,7 +68,7 @@ impl SphereCover {
     ///
     /// - [`CoverError::UnsupportedShape`]: half-spaces, height fields, segments and others.
     /// - [`CoverError::InvalidShape`]: NaN, infinite or negative numbers.
-    /// - [`CoverError::SphereCount`], [`CoverError::Target`]: options out of range.
+    /// - [`CoverError::SphereCount`], [`CoverError::Effort`], [`CoverError::Target`]: options out of range.
     /// - [`CoverError::TargetMissed`]: the largest number of spheres does not reach the target.
     pub fn fit(shape: &dyn Shape, options: &CoverOptions) -> Result<Self, CoverError> {
         Self::fit_with_progress(shape, options, |_| {})
@@ -99,8 +100,12 @@ impl SphereCover {
         if !(1..=CoverOptions::MOST_SPHERES).contains(&most) {
             return Err(CoverError::SphereCount { count: most });
         }
+        let effort = options.effort();
+        if effort > CoverOptions::MOST_EFFORT {
+            return Err(CoverError::Effort { effort });
+        }
         let solid = read(shape)?;
-        let fitter = Fitter::new(&solid, options.seed(), options.effort());
+        let fitter = Fitter::new(&solid, options.seed(), effort);
         let fit = |count: usize| fitter.fit(count, progress);
         let certified = match options.target_overshoot() {
             None => fit(most),
@@ -210,6 +215,49 @@ impl SphereCover {
             diameter: self.diameter * factor,
             spheres: Hitbox::cluster(spheres.collect())?,
             ..*self
+        })
+    }
+}
+
+/// The numbers of a saved cover.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct CoverNumbers {
+    spheres: Hitbox,
+    overshoot: f64,
+    diameter: f64,
+    volume_ratio: Option<f64>,
+    extent: Extent,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<CoverNumbers> for SphereCover {
+    type Error = CoverError;
+
+    fn try_from(numbers: CoverNumbers) -> Result<Self, CoverError> {
+        let CoverNumbers {
+            spheres,
+            overshoot,
+            diameter,
+            volume_ratio,
+            extent,
+        } = numbers;
+        for (field, value) in [
+            ("overshoot", overshoot),
+            ("diameter", diameter),
+            ("volume ratio", volume_ratio.unwrap_or(0.0)),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(CoverError::Saved { field, value });
+            }
+        }
+        Ok(Self {
+            // A half-space has no spheres.
+            spheres: Hitbox::cluster(spheres.spheres().to_vec())?,
+            overshoot,
+            diameter,
+            volume_ratio,
+            extent,
         })
     }
 }

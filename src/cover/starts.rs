@@ -132,13 +132,20 @@ pub(super) fn deepest(
 }
 
 /// Returns the centres of lattices in the box around a solid, with at most `count` points, as far
-/// as they lie in it.
+/// as they lie in it: the few whose cells have the shortest diagonals.
 pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<DVec3>> {
+    /// A descent measures some hundred times.
+    const FEW: usize = 32;
     let size = solid.high - solid.low;
-    let sides = (1..=count).flat_map(move |x| (1..=count / x).map(move |y| [x, y, count / x / y]));
+    #[allow(clippy::cast_precision_loss, reason = "small counts")]
+    let step = move |[x, y, z]: [usize; 3]| size / DVec3::new(x as f64, y as f64, z as f64);
+    let sides = (1..=count).flat_map(|x| (1..=count / x).map(move |y| [x, y, count / x / y]));
+    let mut sides: Vec<[usize; 3]> = sides.collect();
+    let diagonal = |sides: &[usize; 3]| step(*sides).length_squared();
+    sides.sort_by(|a, b| diagonal(a).total_cmp(&diagonal(b)));
+    sides.truncate(FEW);
     let lattice = move |[x, y, z]: [usize; 3]| {
-        #[allow(clippy::cast_precision_loss, reason = "small counts")]
-        let step = size / DVec3::new(x as f64, y as f64, z as f64);
+        let step = step([x, y, z]);
         let mut centres = Vec::with_capacity(x * y * z);
         #[allow(clippy::cast_precision_loss, reason = "small counts")]
         for number in 0..x * y * z {
@@ -149,5 +156,28 @@ pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<
         centres.retain(|&centre| solid.signed_distance(centre).0 < 0.0);
         centres
     };
-    sides.map(lattice).filter(|centres| !centres.is_empty())
+    let lattices = sides.into_iter().map(lattice);
+    lattices.filter(|centres| !centres.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::form::SolidForm;
+    use super::*;
+
+    /// A search of many centres begins as soon as one of few.
+    #[test]
+    fn few_lattices_are_tried() {
+        let size = DVec3::new(0.5, 1.0, 2.0);
+        let brick =
+            Solid::new(vec![(SolidForm::cuboid(size), 0.0)]).unwrap_or_else(|| unreachable!());
+        for count in [64, 300, 2_000] {
+            let tried = lattices(&brick, count).count();
+            assert!(tried <= 32, "{count}: {tried}");
+        }
+        // The cubes are first.
+        let best = lattices(&brick, 64).next().unwrap_or_default();
+        let at = |x: f64, y: f64, z: f64| best.contains(&DVec3::new(x, y, z));
+        assert!(best.len() == 64 && at(0.0625, 0.0625, 0.0625), "{best:?}");
+    }
 }

@@ -18,6 +18,8 @@ impl HalfSpace {
 }
 
 /// Oriented polygons. If the surface is closed, each edge is passed once in either direction.
+///
+/// Polygons in one plane that a cut made together are one face: pieces of a whole, and holes in it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
     pub(super) points: Vec<DVec3>,
@@ -25,6 +27,8 @@ pub(super) struct Surface {
     corners: Vec<usize>,
     /// The end of each polygon in the list of corners.
     ends: Vec<usize>,
+    /// True for each polygon that begins a face.
+    begins_face: Vec<bool>,
     /// A closed surface bounds a volume, and stays closed when it is clipped.
     closed: bool,
 }
@@ -39,6 +43,10 @@ pub(super) struct ClipScratch {
     crossings: Vec<(usize, usize)>,
     /// Edges of the polygons that close the cut: first and last point.
     cut: Vec<(usize, usize)>,
+    /// The face being kept: the number of corners and of polygons before it, and its crossings; an
+    /// exit is marked with true.
+    before_face: (usize, usize),
+    face_crossings: Vec<(usize, bool)>,
     result: Surface,
 }
 
@@ -57,7 +65,12 @@ impl Surface {
 
     pub(super) fn push_polygon(&mut self, corners: impl IntoIterator<Item = usize>) {
         self.corners.extend(corners);
+        self.end_polygon(true);
+    }
+
+    fn end_polygon(&mut self, begins_face: bool) {
         self.ends.push(self.corners.len());
+        self.begins_face.push(begins_face);
     }
 
     pub(super) fn polygons(&self) -> impl Iterator<Item = &[usize]> {
@@ -72,6 +85,7 @@ impl Surface {
         self.points.clone_from(&other.points);
         self.corners.clone_from(&other.corners);
         self.ends.clone_from(&other.ends);
+        self.begins_face.clone_from(&other.begins_face);
         self.closed = other.closed;
     }
 
@@ -79,6 +93,7 @@ impl Surface {
         self.points.clear();
         self.corners.clear();
         self.ends.clear();
+        self.begins_face.clear();
         self.closed = closed;
     }
 
@@ -133,7 +148,7 @@ impl Surface {
         self.cross_edges(scratch);
         self.keep_polygons(scratch);
         if self.closed {
-            scratch.close();
+            join(&mut scratch.cut, &mut scratch.result);
         }
         std::mem::swap(self, &mut scratch.result);
         true
@@ -175,77 +190,134 @@ impl Surface {
     }
 
     fn keep_polygons(&self, scratch: &mut ClipScratch) {
-        let ClipScratch {
-            heights,
-            numbers,
-            crossings,
-            cut,
-            result,
-        } = scratch;
-        let first_new = result.points.len() - crossings.len();
-        let crossing =
-            |edge: (usize, usize)| first_new + crossings.partition_point(|&other| other < edge);
-        cut.clear();
-        for polygon in self.polygons() {
-            match side(polygon, heights) {
-                PolygonSide::Outside => continue,
-                PolygonSide::Inside => {
-                    let kept = polygon.iter().map(|&corner| numbers[corner]);
-                    result.corners.extend(kept);
-                    result.ends.push(result.corners.len());
-                    continue;
-                }
-                PolygonSide::Both => {}
+        scratch.cut.clear();
+        scratch.end_face();
+        for (polygon, &begins_face) in self.polygons().zip(&self.begins_face) {
+            if begins_face {
+                scratch.end_face();
             }
-            let begin = result.corners.len();
-            // The last exit, and the first entrance if it comes before any exit.
-            let (mut exit, mut first_entrance) = (None, None);
-            for (from, to) in edges(polygon) {
-                let inside = heights[from] <= 0.0;
-                if inside {
-                    result.corners.push(numbers[from]);
-                }
-                if inside == (heights[to] <= 0.0) {
-                    continue;
-                }
-                let at = crossing(if inside { (from, to) } else { (to, from) });
-                result.corners.push(at);
-                match (inside, exit) {
-                    (true, _) => exit = Some(at),
-                    (false, Some(exit)) => cut.push((at, exit)),
-                    (false, None) => first_entrance = Some(at),
-                }
-                if !inside {
-                    exit = None;
-                }
-            }
-            if let (Some(entrance), Some(exit)) = (first_entrance, exit) {
-                cut.push((entrance, exit));
-            }
-            if result.corners.len() > begin {
-                result.ends.push(result.corners.len());
-            }
+            scratch.keep_polygon(polygon);
         }
+        scratch.end_face();
     }
 }
 
 impl ClipScratch {
-    /// Joins the edges along the cut to polygons.
-    fn close(&mut self) {
-        let Self { cut, result, .. } = self;
-        cut.sort_unstable();
-        while let Some((first, mut last)) = cut.pop() {
-            result.corners.push(first);
-            while last != first {
-                let next = cut.partition_point(|&(start, _)| start < last);
-                if cut.get(next).is_none_or(|&(start, _)| start != last) {
-                    break;
-                }
-                result.corners.push(last);
-                last = cut.remove(next).1;
+    /// Keeps a polygon's part inside. Each exit is joined to the next entrance of the polygon.
+    fn keep_polygon(&mut self, polygon: &[usize]) {
+        let Self {
+            heights,
+            numbers,
+            crossings,
+            result,
+            ..
+        } = self;
+        let first_new = result.points.len() - crossings.len();
+        match side(polygon, heights) {
+            PolygonSide::Outside => return,
+            PolygonSide::Inside => {
+                let kept = polygon.iter().map(|&corner| numbers[corner]);
+                result.corners.extend(kept);
             }
-            result.ends.push(result.corners.len());
+            PolygonSide::Both => {
+                for (from, to) in edges(polygon) {
+                    let inside = heights[from] <= 0.0;
+                    if inside {
+                        result.corners.push(numbers[from]);
+                    }
+                    if inside == (heights[to] <= 0.0) {
+                        continue;
+                    }
+                    let edge = if inside { (from, to) } else { (to, from) };
+                    let at = first_new + crossings.partition_point(|&other| other < edge);
+                    result.corners.push(at);
+                    self.face_crossings.push((at, inside));
+                }
+            }
         }
+        result.end_polygon(result.ends.len() == self.before_face.1);
+    }
+
+    /// Notes where the face is cut, and begins the next one.
+    fn end_face(&mut self) {
+        match self.face_crossings[..] {
+            [] => {}
+            [one, other] => self.cut.extend(cut_edge(one, other)),
+            _ => self.cut_face_along_line(),
+        }
+        self.face_crossings.clear();
+        self.before_face = (self.result.corners.len(), self.result.ends.len());
+    }
+
+    /// Joins the exits of a face to entrances as they follow each other along the cut, not along the
+    /// polygons: edges of the cut then lie within the face.
+    ///
+    /// An exit and an entrance between which the face lies are neighbours along the line, or
+    /// such pairs are between them, or (where the face covers itself) others of their kinds.
+    fn cut_face_along_line(&mut self) {
+        let Self {
+            crossings,
+            cut,
+            before_face,
+            face_crossings,
+            result,
+            ..
+        } = self;
+        let points = &result.points;
+        let ends = face_crossings.iter().map(|&(at, _)| points[at]);
+        let low = ends.clone().fold(DVec3::INFINITY, DVec3::min);
+        let high = ends.fold(DVec3::NEG_INFINITY, DVec3::max);
+        let axis = (high - low).max_position();
+        let place = |&(at, is_exit): &(usize, bool)| (points[at][axis], at, is_exit);
+        face_crossings.sort_unstable_by(|a, b| {
+            let (a, b) = (place(a), place(b));
+            a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2)))
+        });
+        // An exit joined to an entrance is an edge of two new points; no other is.
+        let first_new = points.len() - crossings.len();
+        let of_face = result.polygons().skip(before_face.1).flat_map(edges);
+        let kept = of_face.filter(|&(from, to)| from < first_new || to < first_new);
+        let mut kept: Vec<(usize, usize)> = kept.collect();
+        let mut open: Vec<(usize, bool)> = Vec::new();
+        for &crossing in face_crossings.iter() {
+            match open.pop() {
+                Some(other) if other.1 != crossing.1 => {
+                    let edge = cut_edge(other, crossing);
+                    kept.extend(edge.map(|(entrance, exit)| (exit, entrance)));
+                    cut.extend(edge);
+                }
+                other => open.extend(other.into_iter().chain([crossing])),
+            }
+        }
+        result.corners.truncate(before_face.0);
+        result.ends.truncate(before_face.1);
+        result.begins_face.truncate(before_face.1);
+        join(&mut kept, result);
+    }
+}
+
+/// Returns the edge of the cut between an exit and an entrance, from the entrance; none between one
+/// point and itself.
+fn cut_edge(one: (usize, bool), other: (usize, bool)) -> Option<(usize, usize)> {
+    let (exit, entrance) = if one.1 { (one, other) } else { (other, one) };
+    (exit.0 != entrance.0).then_some((entrance.0, exit.0))
+}
+
+/// Joins edges to the polygons of a face.
+fn join(edges: &mut Vec<(usize, usize)>, result: &mut Surface) {
+    let before = result.ends.len();
+    edges.sort_unstable();
+    while let Some((first, mut last)) = edges.pop() {
+        result.corners.push(first);
+        while last != first {
+            let next = edges.partition_point(|&(start, _)| start < last);
+            if edges.get(next).is_none_or(|&(start, _)| start != last) {
+                break;
+            }
+            result.corners.push(last);
+            last = edges.remove(next).1;
+        }
+        result.end_polygon(result.ends.len() == before);
     }
 }
 

@@ -23,8 +23,8 @@ pub enum Coverage {
         /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
         point: DVec3,
     },
-    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter, they would
-    /// contain it.
+    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
+    /// a shape that is a point), they would contain it.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -74,7 +74,7 @@ pub fn verify_cover(spheres: &[Sphere], shape: &dyn Shape) -> Result<Coverage, C
     for sphere in spheres.spheres() {
         balls.add(&solid, sphere);
     }
-    let verdict = balls.verdict(&solid);
+    let verdict = balls.verdict(&solid, spheres.spheres());
     let place = |point: DVec3| solid.origin + point * solid.unit;
     Ok(match verdict {
         Coverage::Covered => Coverage::Covered,
@@ -136,13 +136,21 @@ impl Balls {
         }
     }
 
-    fn verdict(&mut self, solid: &Solid) -> Coverage {
+    fn verdict(&mut self, solid: &Solid, spheres: &[Sphere]) -> Coverage {
         if self.contain_all {
             return Coverage::Covered;
         }
         self.drop_contained();
         let mut verdict = Coverage::Covered;
-        for part in &solid.parts {
+        for (part, ball) in solid.parts.iter().zip(&solid.balls) {
+            // Exact where the centres are one.
+            let is_in = |ball: &Sphere| {
+                let mut spheres = spheres.iter();
+                spheres.any(|own| own.offset == ball.offset && ball.radius <= own.radius)
+            };
+            if ball.as_ref().is_some_and(is_in) {
+                continue;
+            }
             let of_part = match part {
                 SolidPart::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
                 _ => self.of_polyhedron(solid, &part.surface(4)),
@@ -172,10 +180,10 @@ impl Balls {
     }
 
     fn of_round(&self, solid: &Solid, form: &SolidForm) -> Coverage {
-        if self.balls.iter().any(|ball| contains(ball, form)) {
+        let spare = solid.rounding + self.rounding;
+        if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
         }
-        let spare = solid.rounding + self.rounding;
         let finest = FINEST * solid.diameter;
         let mut undecided = None;
         let mut pieces: Vec<(Wedge, Vec<usize>)> = wedges(form)
@@ -195,7 +203,8 @@ impl Balls {
                 if self.are_left_out(point) {
                     return Coverage::Uncovered { point };
                 }
-                if piece.slack() < finest || next.len() >= MAX_PIECES {
+                // A point's pieces are points.
+                if piece.slack() <= finest || next.len() >= MAX_PIECES {
                     undecided.get_or_insert(point);
                 } else {
                     next.extend(piece.halves().map(|half| (half, balls.clone())));
@@ -260,13 +269,9 @@ fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option
 }
 
 /// Returns true if a ball certainly contains a whole round form.
-fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
+fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm, spare: f64) -> bool {
     let beyond = match form {
         SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return false,
-        // Exact where the centres are one.
-        SolidForm::Capsule { ends, radius: own } if ends.map(|end| end == centre) == [true; 2] => {
-            return *own <= radius;
-        }
         SolidForm::Capsule { ends, radius: own } => {
             ends.map(|end| end.distance(centre))
                 .into_iter()
@@ -280,7 +285,7 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm) -> bool {
             lower.max(upper)
         }
     };
-    beyond * (1.0 + 1e-14) + 1e-14 <= radius
+    beyond * (1.0 + 1e-14) + spare <= radius
 }
 
 /// Returns a point of a round form near a point.

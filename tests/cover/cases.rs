@@ -1,5 +1,6 @@
 //! Shapes, with points of them.
 
+use nearmiss::SphereCover;
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::parry3d::math::{Pose, Vector};
 use nearmiss::parry3d::shape::{
@@ -122,6 +123,18 @@ pub(crate) fn other_diagonals(torus: &TriMesh) -> TriMesh {
         [[first, next, second], [next, far, second]]
     });
     TriMesh::new(torus.vertices().to_vec(), cut.collect()).unwrap()
+}
+
+/// Asserts that each of many points of a segment is in a sphere.
+pub(crate) fn no_segment_is_left_out([from, to]: [DVec3; 2], cover: &SphereCover) {
+    for step in 0..=1_000 {
+        let point = from.lerp(to, f64::from(step) / 1_000.0);
+        let mut spheres = cover.spheres().iter();
+        assert!(
+            spheres.any(|sphere| point.distance(sphere.offset) <= sphere.radius),
+            "{point} of {cover:?}"
+        );
+    }
 }
 
 fn points_of(mesh: &TriMesh) -> Vec<DVec3> {

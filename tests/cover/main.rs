@@ -7,6 +7,7 @@
 
 mod campaign;
 mod cases;
+mod meshes;
 mod verdicts;
 
 use cases::{Case, cases, other_diagonals, rounded_torus, torus};
@@ -281,6 +282,20 @@ fn any_number_of_threads_leads_to_the_same_bits() {
     }
 }
 
+#[test]
+fn efforts_have_a_bound() {
+    let with = |shape: &dyn Shape, effort: u32| {
+        SphereCover::fit(shape, &CoverOptions::new(1).with_effort(effort))
+    };
+    assert_eq!(with(&brick(), 0), with(&brick(), 1));
+    let most = CoverOptions::MOST_EFFORT;
+    assert!(with(&Capsule::new_y(1.0, 0.5), most).is_ok());
+    for effort in [most + 1, 1 << 30, u32::MAX] {
+        let refused = Err(CoverError::Effort { effort });
+        assert_eq!(with(&brick(), effort), refused);
+    }
+}
+
 /// The lattice of a box has no seed; a search has.
 #[test]
 fn seeds_lead_to_other_covers() {
@@ -307,4 +322,31 @@ fn covers_are_saved() {
         .unwrap()
         .replacen("\"radius\":", "\"radius\":-", 1);
     assert!(serde_json::from_str::<SphereCover>(&broken).is_err());
+}
+
+/// Each number of a saved cover is checked.
+#[cfg(feature = "serde")]
+#[test]
+fn broken_covers_are_not_read() {
+    let cover = fit(&brick(), 2);
+    let good = serde_json::to_value(&cover).unwrap();
+    let read = |value| serde_json::from_value::<SphereCover>(value);
+    assert_eq!(read(good.clone()).unwrap(), cover);
+    for field in ["overshoot", "diameter", "volume_ratio"] {
+        for bad in [-1.0, 2.0 * f64::MAX] {
+            let mut broken = good.clone();
+            broken[field] = serde_json::Value::from(bad);
+            // Infinity is null, which is no number, but no volume either.
+            let allowed = field == "volume_ratio" && broken[field].is_null();
+            assert_eq!(read(broken.clone()).is_ok(), allowed, "{broken}");
+        }
+    }
+    for spheres in [
+        serde_json::json!([]),
+        serde_json::json!({"half_space": [0.0, 0.0, 1.0]}),
+    ] {
+        let mut broken = good.clone();
+        broken["spheres"] = spheres;
+        assert!(read(broken.clone()).is_err(), "{broken}");
+    }
 }

@@ -3,8 +3,10 @@
 use crate::cases::{seeded, torus};
 use crate::{brick, covers, fit};
 use nearmiss::glam::DVec3;
-use nearmiss::parry3d::math::Vector;
-use nearmiss::parry3d::shape::{Ball, Capsule, Cuboid, Shape, TriMesh};
+use nearmiss::parry3d::math::{Pose, Vector};
+use nearmiss::parry3d::shape::{
+    Ball, Capsule, Compound, Cuboid, Cylinder, Shape, SharedShape, TriMesh,
+};
 use nearmiss::{CoverError, Coverage, Error, Sphere, verify_cover};
 
 fn sphere(offset: DVec3, radius: f64) -> Sphere {
@@ -151,4 +153,82 @@ fn spheres_of_all_kinds() {
         cover.verify(&torus(24, 12)).unwrap(),
         Coverage::Uncovered { .. }
     ));
+}
+
+/// A point is in a sphere, or not, or it is on its surface to rounding.
+#[test]
+fn shapes_that_are_points() {
+    for point in [
+        &Ball::new(0.0) as &dyn Shape,
+        &Cylinder::new(0.0, 0.0),
+        &Capsule::new_y(0.0, 0.0),
+        &Cuboid::new(Vector::ZERO),
+    ] {
+        let verdict = |radius: f64| verify_cover(&[sphere(DVec3::X, radius)], point).unwrap();
+        assert!(!matches!(verdict(1.0), Coverage::Uncovered { .. }));
+        assert_eq!(verdict(1.0 + 1e-6), Coverage::Covered);
+        let left_out = Coverage::Uncovered { point: DVec3::ZERO };
+        assert_eq!(verdict(1.0 - 1e-6), left_out);
+    }
+}
+
+/// A capsule whose ends its place rounds to one: it reaches farther than its radius.
+#[test]
+fn places_far_away_are_rounded() {
+    let far = Pose::translation(1e10, 0.0, 0.0);
+    let capsule = Capsule::new_x(1e-7, 1e-3);
+    let shape = Compound::new(vec![(far, SharedShape::new(capsule))]);
+    let reach = f64::from(1e-3_f32) + f64::from(1e-7_f32);
+    let is_enough = |spheres: &[Sphere]| {
+        let middle = DVec3::X * f64::from(1e10_f32);
+        let mut spheres = spheres.iter();
+        spheres.any(|sphere| sphere.offset.distance(middle) + reach <= sphere.radius)
+    };
+    for count in [1, 3] {
+        let cover = fit(&shape, count);
+        assert!(is_enough(cover.spheres()), "{cover:?}");
+        assert_eq!(cover.verify(&shape).unwrap(), Coverage::Covered);
+    }
+    let too_small = [sphere(DVec3::X * f64::from(1e10_f32), f64::from(1e-3_f32))];
+    let verdict = verify_cover(&too_small, &shape).unwrap();
+    assert_ne!(verdict, Coverage::Covered);
+}
+
+/// A ball that is turned far from its origin, and moved back: the sums are rounded, though the result is small.
+#[test]
+fn places_that_cancel_are_rounded() {
+    let far = Vector::new(1e10, 0.0, 0.0);
+    let back = Pose::new(
+        Vector::new(0.0, -1e10, 0.0),
+        Vector::new(0.0, 0.0, 1.570_796_4),
+    );
+    let ball = SharedShape::new(Capsule::new(far, far, 1.0));
+    let shape = Compound::new(vec![(back, ball)]);
+    let cover = fit(&shape, 1);
+    let [sphere] = cover.spheres() else {
+        panic!("{cover:?}");
+    };
+    assert!(sphere.offset.length() < 1e4, "{cover:?}");
+    assert!(sphere.radius > 1.0 + 1e10 * f64::EPSILON, "{cover:?}");
+    assert_eq!(cover.verify(&shape).unwrap(), Coverage::Covered);
+}
+
+/// The balls of a compound are covered by themselves: nothing is rounded.
+#[test]
+fn balls_of_a_compound_cover_it() {
+    let places = [(0.1, 0.3), (2.7, 1.1), (-3.3, 0.7)];
+    let ball = |(x, radius): (f32, f32)| {
+        let place = Pose::translation(x, 3.0 * x, -x);
+        (place, SharedShape::new(Ball::new(radius)))
+    };
+    let compound = Compound::new(places.map(ball).to_vec());
+    let own = |(x, radius): (f32, f32)| {
+        let offset = Vector::new(x, 3.0 * x, -x).as_dvec3();
+        sphere(offset, f64::from(radius))
+    };
+    let spheres = places.map(own);
+    assert_eq!(
+        verify_cover(&spheres, &compound).unwrap(),
+        Coverage::Covered
+    );
 }
