@@ -10,8 +10,8 @@ mod support;
 
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, Conflict, Error, Event, EventKind, Hitbox, Monitor, Outside, Scene, State,
-    Trajectory, Window,
+    AlertLevel, Body, Conflict, Error, Event, EventKind, Hitbox, Monitor, Outside, Query, Scene,
+    State, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -367,4 +367,112 @@ fn what_a_monitor_forgets_is_not_asked() {
     let first = body.trajectory.knots()[0];
     assert!(-4.0 < first && first <= 3.0, "{first}");
     assert_eq!(body.trajectory.domain(), Window::new(first, 30.0).unwrap());
+}
+
+/// Pieces beyond the knots are counted from the last knot, also where the plan's last segment is shorter than what
+/// f64 resolves at the splice.
+#[test]
+fn a_plan_goes_on_after_a_splice_far_beyond_its_knots() {
+    let resting = |x: f64| Trajectory::at_rest(x * DVec3::X).unwrap();
+    let ball = |plan| Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap());
+    for (step, from, speed) in [
+        (1e-6, 1e12, 1e-9),
+        (1e-9, 2e7, 1e-3),
+        (1e-10, 1e12, 1e-9),
+        (1e-12, 2e7, 1e-3),
+        (1e-12, 1e5, 1.0),
+    ] {
+        let velocity = speed * DVec3::X;
+        let states = [0.0, step].map(|time| State::new(time, time * velocity, velocity));
+        let plan = Trajectory::from_states(&states).unwrap();
+        let plan = plan.with_outside(Outside::Coast);
+        let (far, way) = (speed * from, 50.0);
+        let wall = ball(resting(far + way));
+        let window = Window::new(from, from + 2.0 * way / speed).unwrap();
+        let query = Query::new(window);
+        let contact = |plan: &Trajectory| {
+            let found = pair::conflicts(&ball(plan.clone()), &wall, &query).unwrap();
+            assert_eq!(found.len(), 1, "{step} {from} {speed}");
+            [found[0].enter, found[0].exit].map(|time| (time - from) * speed)
+        };
+        let spliced = resting(far).spliced(from, &plan).unwrap();
+        let close = 4.0 * f64::EPSILON * far + 1e-9 * way;
+        for (found, expected) in contact(&spliced).into_iter().zip(contact(&plan)) {
+            assert!((found - expected).abs() <= close, "{found} {expected}");
+        }
+        let mut scene = Scene::new();
+        let body = scene.insert(ball(resting(far))).unwrap();
+        scene.insert(wall.clone()).unwrap();
+        let lookahead = 2.0 * way / speed;
+        let mut monitor = Monitor::new(scene, from, lookahead, &[AlertLevel::at(0.0)]).unwrap();
+        monitor.replan(body, from, plan).unwrap();
+        let mut events = Vec::new();
+        for quarter in 0..=8 {
+            let now = from + f64::from(quarter) * way / speed / 4.0;
+            monitor.advance(now, &mut events).unwrap();
+        }
+        let kinds = events.iter().map(|event| event.kind);
+        let count =
+            |wanted: fn(EventKind) -> bool| kinds.clone().filter(|&kind| wanted(kind)).count();
+        assert_eq!(
+            count(|kind| matches!(kind, EventKind::Began(_))),
+            1,
+            "{events:?}"
+        );
+        assert_eq!(
+            count(|kind| matches!(kind, EventKind::Ended(..))),
+            1,
+            "{events:?}"
+        );
+    }
+    // The same before the first knot.
+    let states = [0.0, 1e-6].map(|time| State::new(time, time * 1e-9 * DVec3::X, 1e-9 * DVec3::X));
+    let plan = Trajectory::from_states(&states).unwrap();
+    let plan = plan.with_outside(Outside::Coast);
+    let spliced = plan.spliced(-1e12, &resting(-1e3)).unwrap();
+    let wall = ball(resting(-1050.0));
+    let query = Query::new(Window::new(-2e12, -1e12).unwrap());
+    for plan in [plan, spliced] {
+        let found = pair::conflicts(&ball(plan), &wall, &query).unwrap();
+        assert_eq!(found.len(), 1);
+    }
+}
+
+/// The velocity at a splice may cancel. Its rounding is that of the plan there, and grows with the time before.
+#[test]
+fn a_line_from_within_a_segment_knows_how_well_it_is_known() {
+    for tenths in 1..200 {
+        let speed = 0.1 * f64::from(tenths);
+        let state = |time: f64, place: f64, speed: f64| {
+            State::new(time, place * DVec3::X, speed * DVec3::X)
+        };
+        // At 1 s it stands still, whatever the first speed: 4 p = 3 v.
+        let plan = Trajectory::from_states(&[state(0.0, 0.0, speed), state(3.0, 3.0, 4.0)]);
+        let plan = plan.unwrap();
+        let still = plan.spliced(1.0, &plan).unwrap().trimmed_before(1.5);
+        let body = Body::new(still.with_outside(Outside::Coast));
+        let place = 4.0 / 9.0 * speed - 1.0 / 9.0;
+        let wall = Body::new(Trajectory::at_rest(-1000.0 * DVec3::X).unwrap());
+        let long_ago = Window::new(-1e9, -1e9).unwrap();
+        let found = pair::certified_closest_approach(&body, &wall, long_ago);
+        let found = found.unwrap().unwrap();
+        let off = (found.approach.separation - (1000.0 + place)).abs();
+        assert!(off <= found.error + 1e-12, "{speed}: {off} {}", found.error);
+        assert!(found.error < 1e-4, "{}", found.error);
+    }
+}
+
+/// A segment shorter than what f64 resolves at a far splice is no unit of time there.
+#[test]
+fn a_body_that_exists_for_ever_has_a_position() {
+    let curved = [0.0, 1e-6].map(|time| State::new(time, time * time * DVec3::Y, DVec3::X));
+    let curved = Trajectory::from_states(&curved).unwrap();
+    let curved = curved.with_outside(Outside::Extrapolate);
+    let resting = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    for (from, cut) in [(1e12, 5e11), (-1e11, -2e11)] {
+        let spliced = curved.spliced(from, &resting).unwrap().trimmed_before(cut);
+        let spliced = spliced.with_outside(Outside::Coast);
+        let first = spliced.knots()[0];
+        assert!(spliced.position(first - 1e9).is_some(), "{spliced:?}");
+    }
 }

@@ -208,11 +208,14 @@ impl<'a> PlanePair<'a> {
         sphere: &SphereAlong,
     ) -> SpherePair {
         let points = [0, 1, 2, 3].map(|k| heights.points[k] + sphere.way[k]);
-        let shift = if lowest(&points) >= 0.0 {
+        let error = heights.error + sphere.rounding;
+        let unknown = error + sphere.path_error;
+        // Below the plane no distance from it is a height. Rounding may hide that.
+        let shift = if lowest(&points) > unknown {
             0.0
         } else {
             // A power of two above twice the largest: what is added stays far from zero.
-            4.0 / normalising_power(largest(&points))
+            4.0 / normalising_power(largest(&points).max(unknown))
         };
         let points = points.map(|height| height + shift);
         let size = points.into_iter().fold(0.0, f64::max);
@@ -234,7 +237,7 @@ impl<'a> PlanePair<'a> {
                 points: points.map(|height| DVec3::new(height, 0.0, 0.0)),
                 // Of the 16 roundings of the heights and of the way 10 and 8 are counted. Both sums here add
                 // one of what is shifted, and at most five of that.
-                error: heights.error + sphere.rounding,
+                error,
                 size,
             },
         }

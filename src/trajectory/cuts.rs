@@ -1,7 +1,8 @@
 //! Cut instants beyond the knots, computed one after the other.
 
 /// Iterator over the instants `knot + step (2^k - 1)`, k = 1, 2, ..., up to the first that reaches
-/// `until`.
+/// `until`. A step that f64 does not resolve at the knot counts as two units in the last place there: each cut
+/// differs from the one before, so that cuts can be counted.
 #[derive(Clone, Debug)]
 pub(super) struct DoublingCuts {
     knot: f64,
@@ -34,9 +35,13 @@ impl DoublingCuts {
         }
     }
 
-    /// Returns cut number k, also where rounding makes it equal to the one before.
+    /// Returns cut number k.
     #[inline]
     pub(super) fn cut(knot: f64, step: f64, number: u32) -> f64 {
+        let step = step
+            .abs()
+            .max(2.0 * f64::EPSILON * knot.abs())
+            .copysign(step);
         // The power of two, infinite from 1024 on.
         let factor = f64::from_bits(u64::from(number.min(1024) + 1023) << 52);
         (knot + step * (factor - 1.0)).clamp(-f64::MAX, f64::MAX)
@@ -54,16 +59,12 @@ impl Iterator for DoublingCuts {
     fn next(&mut self) -> Option<f64> {
         let Self { step, until, .. } = *self;
         let precedes = |a, b| (step > 0.0 && a < b) || (step < 0.0 && a > b);
-        while precedes(self.last, until) {
-            self.number += 1;
-            let cut = Self::cut(self.knot, step, self.number);
-            // A step below the resolution of f64 at the knot is passed over until it shows.
-            if precedes(self.last, cut) {
-                self.last = cut;
-                return Some(cut);
-            }
+        if !precedes(self.last, until) {
+            return None;
         }
-        None
+        self.number += 1;
+        self.last = Self::cut(self.knot, step, self.number);
+        Some(self.last)
     }
 }
 

@@ -144,11 +144,18 @@ impl Segment {
     pub(super) fn line_at(&self, time: f64) -> Self {
         let (position, velocity, _) = self.motion_at(time);
         let state = State::new(time, position, velocity);
+        let scale = self.rounding_scale(time, time);
         // The position is rounded once more than its displacement from the origin. The cubic's error counts once for
         // the position, and six times for the velocity; an evaluation's is below 128 roundings for each.
-        let error = 2.0 * Self::EVALUATION * self.rounding_scale(time, time)
-            + UNIT_ROUNDOFF * norm(position);
-        Self::through(&state, time + (self.end - self.start), error)
+        let error = 2.0 * Self::EVALUATION * scale + UNIT_ROUNDOFF * norm(position);
+        let lasting = self.end - self.start;
+        // So that there is an end.
+        let duration = lasting.max(6.0 * f64::EPSILON * time.abs());
+        let mut line = Self::through(&state, time + duration, error);
+        // The velocity's error, up to 224 roundings of the scale in the cubic's duration, grows with time. It is
+        // relative to the cubic, not to the velocity, which may vanish: 20 roundings of the extent are counted.
+        line.extent += 12.0 * scale * (duration / lasting);
+        line
     }
 
     /// Returns the cubic motion from the knot on.

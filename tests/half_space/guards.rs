@@ -230,3 +230,35 @@ fn normals_of_any_length() {
         );
     }
 }
+
+/// The height of a point is formed as 0 where it is some roundings below the plane: it is within a margin below 0 that
+/// those exceed. `3 x + 4 y` tells the sign of what rounding hides.
+#[test]
+fn points_that_rounding_lifts_to_the_plane_touch_it() {
+    let normal = DVec3::new(0.6, 0.8, 0.0);
+    let exact = |place: DVec3| {
+        // 0.6 and 0.8 are f64: products are exact in double-double.
+        let product = |a: f64, b: f64| (a * b, a.mul_add(b, -(a * b)));
+        let ((x, low_x), (y, low_y)) = (product(normal.x, place.x), product(normal.y, place.y));
+        (x + y) + (low_x + low_y)
+    };
+    let (mut hidden, mut touching) = (0, 0);
+    for step in 1..400 {
+        let place = DVec3::new(4.0 * f64::from(step), -3.0 * f64::from(step), 0.0);
+        let height = exact(place);
+        if height >= 0.0 {
+            continue;
+        }
+        hidden += 1;
+        let point = Body::new(Trajectory::at_rest(place).unwrap());
+        let query = Query::new(Window::new(0.0, 1.0).unwrap()).with_margin(0.5 * height);
+        let bodies = [point, floor(normal)];
+        for accuracy in [nearmiss::Accuracy::Exact, nearmiss::Accuracy::Certified] {
+            let query = query.clone().with_accuracy(accuracy);
+            let found = nearmiss::pair::conflicts(&bodies[0], &bodies[1], &query).unwrap();
+            touching += usize::from(!found.is_empty());
+        }
+    }
+    assert!(hidden > 50, "{hidden}");
+    assert_eq!(touching, 2 * hidden);
+}

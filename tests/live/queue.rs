@@ -76,3 +76,22 @@ fn a_clock_that_is_refused_is_forgotten() {
     let flown = &stopped.monitor.scene().body(ids[0]).unwrap().trajectory;
     assert_eq!(flown.position(9.0), Some(3.0 * DVec3::Y));
 }
+
+/// A clock request that is refused whatever the monitor is at takes no earlier one away.
+#[test]
+fn a_clock_that_will_be_refused_supersedes_none() {
+    for refused in [f64::INFINITY, f64::NAN, 1e301] {
+        let (live, _) = live();
+        let handle = live.handle();
+        held(&live);
+        for time in [1.0, refused] {
+            handle.send(Request::Clock(time)).unwrap();
+        }
+        live.stop_requests();
+        while live.reports().recv().is_ok() {}
+        let stopped = live.shutdown().unwrap();
+        assert_eq!(stopped.monitor.now(), 1.0);
+        let counts = &stopped.counts;
+        assert_eq!((counts.superseded, counts.refused), (0, 1));
+    }
+}

@@ -1,5 +1,6 @@
 //! Requests to a live monitor, and the queue in which they wait.
 
+use crate::error::MAX_MAGNITUDE;
 use crate::id::BodyId;
 use crate::monitor::Command;
 use crate::scene::{Body, BodyPlan, BodyState};
@@ -139,6 +140,10 @@ impl RequestQueue {
                     plans.pop_back();
                 }
                 plans.push_back(self.taken + self.requests.len());
+            }
+            // It will be refused: those that wait stay.
+            (Request::Clock(time), _) if time.is_nan() || time.abs() > MAX_MAGNITUDE => {
+                self.plans.clear();
             }
             (Request::Clock(time), _) => {
                 // A clock that goes back is refused.
