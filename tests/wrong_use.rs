@@ -120,6 +120,8 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
       time"),
     ("screen", &["radii.csv", "--output", "radii.csv"], 2,
      "error: --output radii.csv is the file of states itself"),
+    ("screen", &["radii.csv", "--hitboxes", "hitboxes.json", "--output", "./hitboxes.json"], 2,
+     "error: --output ./hitboxes.json is the file of hitboxes itself"),
     ("screen", &["radii.csv", "--output", "none/out.csv"], 1,
      "error: none/out.csv: No such file or directory (os error 2)"),
     ("screen", &["radii.csv", "--threads", "-1"], 2,
@@ -130,6 +132,10 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
      "error: none/states.csv: No such file or directory (os error 2)"),
     ("many_body", &["--states", "one.svg", "--picture", "one.svg"], 2,
      "error: --states and --picture are one file; name two"),
+    ("many_body", &["--states", "./one.svg", "--picture", "one.svg"], 2,
+     "error: --states and --picture are one file; name two"),
+    ("cover", &["mesh", "hitboxes.json", "--spheres", "1", "--picture", "./hitboxes.json"], 2,
+     "error: --picture ./hitboxes.json is the file of the mesh itself"),
     ("game_loop", &["--headless", "--replan", "50"], 2,
      "error: invalid value '50' for '--replan <REPLAN>': 50 is not in 0..=1"),
     ("game_loop", &["--screenshot", "picture.jpg"], 2,
@@ -259,6 +265,7 @@ fn command_lines() {
     let folder = folder("wrong-commands");
     let radii = format!("radius,{HEADER}1,0,0,0,0,0,0,0,0\n1,0,1,0,0,0,0,0,0\n");
     std::fs::write(folder.join("radii.csv"), radii).unwrap();
+    std::fs::write(folder.join("hitboxes.json"), "[]").unwrap();
     let utf_16 = HEADER.encode_utf16().flat_map(u16::to_le_bytes);
     let marked: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf_16).collect();
     std::fs::write(folder.join("utf16.csv"), marked).unwrap();
@@ -274,7 +281,7 @@ fn command_lines() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 4);
 }
 
 #[test]

@@ -140,7 +140,17 @@ impl Kind {
 }
 
 fn main() -> ExitCode {
-    terminal::exit_code(run(&terminal::parse::<Arguments>().shape))
+    let kind = terminal::parse::<Arguments>().shape;
+    let picture = &kind.task().picture;
+    if let Kind::Mesh { file, .. } = &kind
+        && terminal::is_same_file(file, picture)
+    {
+        let name = terminal::name(picture);
+        terminal::refuse::<Arguments>(format_args!(
+            "--picture {name} is the file of the mesh itself"
+        ));
+    }
+    terminal::exit_code(run(&kind))
 }
 
 fn run(kind: &Kind) -> Result<(), Failure> {

@@ -88,7 +88,8 @@ impl Kind {
 
 fn main() -> ExitCode {
     let arguments = terminal::parse::<Arguments>();
-    if arguments.states.as_ref() == Some(&arguments.picture) {
+    let states = arguments.states.as_ref();
+    if states.is_some_and(|states| terminal::is_same_file(states, &arguments.picture)) {
         terminal::refuse::<Arguments>("--states and --picture are one file; name two");
     }
     terminal::exit_code(run(&arguments))

@@ -32,7 +32,7 @@ use hitboxes::Hitboxes;
 use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Window};
 use read::{Bodies, FileBody, Labels};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use terminal::{Product, Progress, Threads};
 use write::Table;
@@ -111,20 +111,22 @@ impl Arguments {
                 rule.get_name()
             ));
         }
-        match &self.output {
-            Some(output) if is_same_file(&self.states, output) => Err(format!(
-                "--output {} is the file of states itself",
-                terminal::name(output)
-            )),
-            _ => Ok(()),
+        let Some(output) = &self.output else {
+            return Ok(());
+        };
+        for (read, of) in [
+            (Some(&self.states), "states"),
+            (self.hitboxes.as_ref(), "hitboxes"),
+        ] {
+            if read.is_some_and(|read| terminal::is_same_file(read, output)) {
+                return Err(format!(
+                    "--output {} is the file of {of} itself",
+                    terminal::name(output)
+                ));
+            }
         }
+        Ok(())
     }
-}
-
-fn is_same_file(states: &Path, output: &Path) -> bool {
-    // Two names of one terminal or device are no conflict.
-    states.is_file()
-        && matches!((states.canonicalize(), output.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 fn main() -> ExitCode {
@@ -160,10 +162,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         })
         .map_err(|error| labels.explain(&error))?;
     progress.finish();
-    if !unused.is_empty() {
-        let names = unused.join(", ");
-        terminal::complain(format_args!("not used: column {names}"));
-    }
+    terminal::tell_unused(&unused);
     if let Some(states) = states_elsewhere(&scene, arguments.window) {
         terminal::complain(format_args!(
             "note: the window is {}, and no body exists then; the states cover {states}",

@@ -57,6 +57,27 @@ impl Product {
     }
 }
 
+/// Returns true if two names of a command line are those of one file, which need not be there yet. Two names of one
+/// terminal or device are no conflict.
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+    matches!((place(one), place(other)), (Some(one), Some(other)) if one == other)
+}
+
+/// Returns the place of a file, whatever it is called; of none that is there, the place where it would be.
+fn place(path: &Path) -> Option<PathBuf> {
+    match path.metadata() {
+        Ok(found) if !found.is_file() => None,
+        Ok(_) => path.canonicalize().ok(),
+        Err(_) => {
+            let folder = path.parent()?;
+            // Of a name alone.
+            let folder = Some(folder).filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+            Some(folder.join(path.file_name()?))
+        }
+    }
+}
+
 fn is_open(path: &Path) -> bool {
     OPEN_FILES.iter().any(|open| path.starts_with(open))
 }

@@ -54,3 +54,10 @@ pub(crate) fn exit_code(result: std::result::Result<(), impl Display>) -> ExitCo
         }
     }
 }
+
+/// Says which columns of a file are not used.
+pub(crate) fn tell_unused(columns: &[String]) {
+    if !columns.is_empty() {
+        complain(format_args!("not used: column {}", columns.join(", ")));
+    }
+}

@@ -59,15 +59,14 @@ struct Arguments {
     /// A file of states, as `screen` takes it, that is stepped in place of a generated scene.
     #[arg(long)]
     states: Option<PathBuf>,
-    /// Radius of every body of the file, m.
+    /// Radius of every body of the file, m; 0.5 if neither this is given nor the file has a column radius.
     #[arg(
         long,
-        default_value = "0.5",
-        value_parser = terminal::within(0.0..=1e9),
+        value_parser = terminal::within(0.0..=world::MAX_RADIUS),
         allow_hyphen_values = true,
         requires = "states"
     )]
-    radius: f64,
+    radius: Option<f64>,
     /// Separation that counts as contact in the file, m.
     #[arg(
         long,
@@ -110,21 +109,58 @@ impl Effort {
     }
 }
 
+impl Arguments {
+    /// Returns the pictures' names and files.
+    fn pictures(&self) -> Vec<(&'static str, PathBuf)> {
+        let file = |name, folder: &PathBuf| (name, folder.join(format!("tradeoff-{name}.svg")));
+        let folder = self.pictures.iter();
+        let both = folder.flat_map(|folder| ["pair", "stepped"].map(|name| file(name, folder)));
+        both.collect()
+    }
+
+    /// Checks options that are right one by one, but not together.
+    fn check(&self) -> Result<(), String> {
+        let Some(states) = &self.states else {
+            return Ok(());
+        };
+        let json = self.json.iter().map(|file| ("--json", file.clone()));
+        let pictures = self.pictures().into_iter();
+        let pictures = pictures.map(|(_, file)| ("--pictures:", file));
+        let mut written = json.chain(pictures);
+        match written.find(|(_, file)| terminal::is_same_file(states, file)) {
+            Some((option, file)) => Err(format!(
+                "{option} {} is the file of states itself",
+                terminal::name(&file)
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the scene that is stepped.
+    fn world(&self, effort: &Effort) -> Result<World, Failure> {
+        match &self.states {
+            Some(file) => World::of_file(file, self.radius, self.margin),
+            None => {
+                let bodies = self.bodies.unwrap_or(effort.choose(2_000, 300));
+                World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))
+            }
+        }
+    }
+}
+
 fn main() -> ExitCode {
-    terminal::exit_code(run(&terminal::parse()))
+    let arguments = terminal::parse::<Arguments>();
+    match arguments.check() {
+        Ok(()) => terminal::exit_code(run(&arguments)),
+        Err(message) => terminal::refuse::<Arguments>(message),
+    }
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let json = arguments.json.as_deref().map(Product::at).transpose()?;
-    let mut pictures = Vec::new();
-    for name in ["pair", "stepped"] {
-        let folder = arguments.pictures.as_ref();
-        let path = folder.map(|folder| folder.join(format!("tradeoff-{name}.svg")));
-        pictures.extend(
-            path.map(|path| Product::at(&path).map(|product| (name, product)))
-                .transpose()?,
-        );
-    }
+    let pictures = arguments.pictures().into_iter();
+    let pictures = pictures.map(|(name, file)| Ok((name, Product::at(&file)?)));
+    let pictures = pictures.collect::<Result<Vec<_>, String>>()?;
     let effort = Effort {
         quick: arguments.quick,
     };
@@ -176,14 +212,7 @@ fn measure(
 ) -> Result<Vec<Table>, Failure> {
     Ok(match part {
         Part::Pair => vec![pair::table(effort, progress)],
-        Part::Stepped => {
-            let bodies = arguments.bodies.unwrap_or(effort.choose(2_000, 300));
-            let world = match &arguments.states {
-                Some(file) => World::of_file(file, arguments.radius, arguments.margin)?,
-                None => World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))?,
-            };
-            vec![stepped::table(&world, effort, progress)?]
-        }
+        Part::Stepped => vec![stepped::table(&arguments.world(effort)?, effort, progress)?],
         Part::Modelled => modelled::tables(effort, progress)?,
         Part::Prices => vec![
             prices::table(effort, &|share| progress(0.6 * share))?,

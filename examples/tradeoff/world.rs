@@ -1,7 +1,8 @@
 //! Scenes that are looked at: bodies in a cube, or those of a file.
 
+use crate::read::{self, FileBody};
 use crate::scenes::{Shape, swarm};
-use crate::{Failure, read};
+use crate::{Failure, terminal};
 use nearmiss::{Body, Hitbox, Scene, State, Trajectory, Window};
 use std::path::Path;
 
@@ -13,11 +14,15 @@ pub(crate) struct World {
     pub(crate) window: Window,
 }
 
+/// Radius of bodies that have no other one, m.
+const RADIUS: f64 = 0.5;
+
+/// Largest radius, m: the steppers work in f32.
+pub(crate) const MAX_RADIUS: f64 = 1e9;
+
 impl World {
     /// Balls of 0.5 m, about 10 m/s fast, one in `spacing`³ m³, that touch each other.
     pub(crate) fn swarm(count: usize, spacing: f64, duration: f64) -> Result<Self, Failure> {
-        /// Radius, m.
-        const RADIUS: f64 = 0.5;
         /// Side of the cube for one body in the scene that is drawn together, m.
         const DRAWN: f64 = 65.6;
         let mut scene = Scene::new();
@@ -38,9 +43,11 @@ impl World {
         })
     }
 
-    /// The bodies of a file of states, all with one radius (m).
-    pub(crate) fn of_file(file: &Path, radius: f64, margin: f64) -> Result<Self, Failure> {
+    /// The bodies of a file of states, all with one radius (m): the one that is given, or that of the file.
+    pub(crate) fn of_file(file: &Path, radius: Option<f64>, margin: f64) -> Result<Self, Failure> {
         let found = read::bodies(file)?;
+        terminal::tell_unused(&found.unused);
+        let radius = common_radius(&found.bodies, radius, &terminal::name(file))?;
         let mut scene = Scene::new();
         for body in found.bodies {
             let tag = body.tag;
@@ -65,5 +72,26 @@ impl World {
             .bodies()
             .map(|(_, body)| &body.trajectory)
             .collect()
+    }
+}
+
+/// Returns the radius that all bodies of a file of this name have (m). The steppers know one only.
+fn common_radius(bodies: &[FileBody], given: Option<f64>, name: &str) -> Result<f64, String> {
+    let mut radii: Vec<f64> = bodies.iter().filter_map(|body| body.radius).collect();
+    radii.sort_by(f64::total_cmp);
+    radii.dedup();
+    match (given, &radii[..]) {
+        (_, []) => Ok(given.unwrap_or(RADIUS)),
+        (Some(_), _) => Err(format!(
+            "--radius: {name} has a column radius; leave one of the two out"
+        )),
+        (None, &[radius]) if radius <= MAX_RADIUS => Ok(radius),
+        (None, &[radius]) => Err(format!(
+            "{name}: column radius: {radius} is above {MAX_RADIUS:e} m"
+        )),
+        (None, &[least, .., largest]) => Err(format!(
+            "{name}: column radius: bodies have radii from {least} to {largest} m, and the steppers know one \
+             only; leave the column out and give --radius"
+        )),
     }
 }

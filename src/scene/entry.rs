@@ -12,7 +12,7 @@ pub(crate) struct MotionSummary {
     /// Approximate extremes of all segments, m.
     pub(crate) extremes: DAabb,
     /// Largest error of a segment's points, m.
-    pub(crate) error: f64,
+    error: f64,
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
     /// Header of the compact trajectory; its lines are stored separately.
@@ -39,6 +39,14 @@ impl MotionSummary {
             });
         }
         summary
+    }
+
+    /// Returns a box around all segments with their errors, m; to rounding.
+    pub(crate) fn around(&self) -> DAabb {
+        DAabb {
+            low: self.extremes.low - self.error,
+            high: self.extremes.high + self.error,
+        }
     }
 }
 

@@ -28,7 +28,7 @@ impl HeightRange {
             if is_extended {
                 return None;
             }
-            let plan = entry.summary().extremes;
+            let plan = entry.summary().around();
             let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
             return Some(Self {
                 low: plan.low.dot(along) + plan.high.dot(across),

@@ -91,11 +91,7 @@ fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, window: Window) -> DAabb
         extremes_of(view, window)
     } else {
         // Known: that of the whole plan.
-        let summary = entry.summary();
-        DAabb {
-            low: summary.extremes.low - summary.error,
-            high: summary.extremes.high + summary.error,
-        }
+        entry.summary().around()
     }
 }
 

@@ -4,7 +4,7 @@ use super::vector;
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
     AlertLevel, Body, BodyId, Conflict, Hitbox, Layers, Monitor, Orientation, Query, Scene, Sphere,
-    State, Trajectory, Window,
+    State, TimeBase, Trajectory, Window, pair,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -231,13 +231,13 @@ fn normals_of_any_length() {
     }
 }
 
-/// The height of a point is formed as 0 where it is some roundings below the plane: it is within a margin below 0 that
-/// those exceed. `3 x + 4 y` tells the sign of what rounding hides.
+/// The height of a point that is a rounding below the plane is formed as 0. The point is within a margin of half that depth
+/// below 0.
 #[test]
 fn points_that_rounding_lifts_to_the_plane_touch_it() {
     let normal = DVec3::new(0.6, 0.8, 0.0);
     let exact = |place: DVec3| {
-        // 0.6 and 0.8 are f64: products are exact in double-double.
+        // Both products exactly; their sums have one rounding, of what is left.
         let product = |a: f64, b: f64| (a * b, a.mul_add(b, -(a * b)));
         let ((x, low_x), (y, low_y)) = (product(normal.x, place.x), product(normal.y, place.y));
         (x + y) + (low_x + low_y)
@@ -261,4 +261,29 @@ fn points_that_rounding_lifts_to_the_plane_touch_it() {
     }
     assert!(hidden > 50, "{hidden}");
     assert_eq!(touching, 2 * hidden);
+}
+
+/// The coefficients of a plan cancel: each of its points is good to half a metre, as in the narrow phase.
+#[test]
+fn errors_of_plans_count() {
+    let time = f64::from(1 << 30);
+    let (t, window) = (DVec3::X * time, Window::new(time, time + 1.0).unwrap());
+    let cube = [DVec3::X, -3.0 * t, 3.0 * t * time, -t * time * time];
+    let plan = Trajectory::from_coefficients(&[time, time + 1.0], &[cube], TimeBase::Absolute);
+    let rising = Body::new(plan.unwrap());
+    let query = Query::new(window);
+    for (height, count) in [(0.01, 1), (0.1, 1), (0.3, 1), (0.45, 1), (1.0, 0)] {
+        let (mut ceiling, mut ground) = (floor(DVec3::NEG_X), floor(DVec3::X));
+        let rest = Trajectory::at_rest((1.0 + height) * DVec3::X).unwrap();
+        ceiling.trajectory = rest.clone();
+        ground.trajectory = rising.trajectory.clone();
+        for (plane, body) in [(ceiling, rising.clone()), (ground, Body::new(rest))] {
+            let expected = pair::conflicts(&plane, &body, &query).unwrap();
+            assert_eq!(expected.len(), count, "{height}");
+            let (mut monitor, _) = watch(vec![plane, body], time, 1.0);
+            monitor.advance(time, &mut Vec::new()).unwrap();
+            assert_eq!(screened(monitor.scene(), time, time + 1.0), expected);
+            assert_eq!(monitor.conflicts(0).unwrap(), expected);
+        }
+    }
 }

@@ -1,0 +1,138 @@
+//! The example `tradeoff` with a file of states.
+
+#![cfg(all(feature = "parallel", feature = "live"))]
+#![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+#[path = "support/example.rs"]
+mod example;
+
+use example::{example, folder, plain};
+use serde_json::Value;
+use std::fs::read_to_string;
+use std::path::Path;
+use std::process::Output;
+
+const FILE: &str = "states.csv";
+
+/// Two bodies that pass each other 3 m apart within `seconds`.
+fn passing(seconds: f64, radii: Option<[f64; 2]>) -> String {
+    let mut file = "body,t,px,py,pz,vx,vy,vz,colour".to_owned();
+    file.push_str(if radii.is_some() { ",radius\n" } else { "\n" });
+    for (body, height) in [(0, 0.0), (1, 3.0)] {
+        for (t, x) in [(0.0, -20.0), (seconds, 20.0)] {
+            let (side, speed) = (f64::from(1 - 2 * body), 40.0 / seconds);
+            let (x, v) = (side * x, side * speed);
+            let radius = radii.map_or(String::new(), |radii| {
+                let own = radii[usize::from(body == 1)];
+                format!(",{own}")
+            });
+            file.push_str(&format!("{body},{t},{x},{height},0,{v},0,0,red{radius}\n"));
+        }
+    }
+    file
+}
+
+fn stepped(folder: &Path, file: &str, options: &[&str]) -> Output {
+    std::fs::write(folder.join(FILE), file).unwrap();
+    let mut command = example("tradeoff");
+    command.args(["--quick", "--only", "stepped", "--states", FILE]);
+    command.args(options).current_dir(folder).output().unwrap()
+}
+
+/// The encounters of each row of the table.
+fn encounters(folder: &Path, file: &str, options: &[&str]) -> Vec<u64> {
+    let json = [options, &["--json", "out.json"]].concat();
+    let Output { status, stderr, .. } = stepped(folder, file, &json);
+    let said = plain(&stderr);
+    assert!(status.success(), "{said}");
+    assert_eq!(said, "not used: column \"colour\"\n");
+    let written = read_to_string(folder.join("out.json")).unwrap();
+    let written: Value = serde_json::from_str(&written).unwrap();
+    let rows = written["tables"]["stepped"]["rows"].as_array().unwrap();
+    let rows = rows.iter().map(|row| row["encounters"].as_u64().unwrap());
+    rows.collect()
+}
+
+/// The file's radius counts, or that of the command line, or half a metre.
+#[test]
+fn radii() {
+    let folder = folder("tradeoff-radii");
+    let (none, two) = (passing(10.0, None), passing(10.0, Some([2.0; 2])));
+    let found = encounters(&folder, &none, &[]);
+    assert!(
+        found.len() > 2 && found.iter().all(|&found| found == 0),
+        "{found:?}"
+    );
+    for (file, options) in [(&two, &[][..]), (&none, &["--radius", "2"])] {
+        let found = encounters(&folder, file, options);
+        assert!(
+            found.len() > 2 && found.iter().all(|&found| found == 1),
+            "{found:?}"
+        );
+    }
+}
+
+/// At a thousand million seconds there are too many ticks for a monitor as well.
+#[test]
+fn a_file_of_many_years() {
+    let folder = folder("tradeoff-years");
+    let found = encounters(&folder, &passing(2e9, None), &["--radius", "2"]);
+    assert_eq!(found, [1]);
+}
+
+#[test]
+fn what_is_refused() {
+    let folder = folder("tradeoff-refused");
+    let pictures = folder.join("pictures");
+    std::fs::create_dir(&pictures).unwrap();
+    let link = pictures.join("tradeoff-pair.svg");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(Path::new("..").join(FILE), link).unwrap();
+    let (two, large) = (Some([2.0; 2]), Some([2e9; 2]));
+    for (radii, options, code, said) in [
+        (
+            two,
+            &["--radius", "2"][..],
+            1,
+            "--radius: states.csv has a column radius; leave one of the two out",
+        ),
+        (
+            Some([2.0, 0.5]),
+            &[],
+            1,
+            "states.csv: column radius: bodies have radii from 0.5 to 2 m, and the steppers know one only; leave the \
+             column out and give --radius",
+        ),
+        (
+            large,
+            &[],
+            1,
+            "states.csv: column radius: 2000000000 is above 1e9 m",
+        ),
+        (
+            None,
+            &["--json", "./states.csv"],
+            2,
+            "--json ./states.csv is the file of states itself",
+        ),
+        #[cfg(unix)]
+        (
+            None,
+            &["--pictures", "pictures"],
+            2,
+            "--pictures: pictures/tradeoff-pair.svg is the file of states itself",
+        ),
+    ] {
+        let file = passing(10.0, radii);
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = stepped(&folder, &file, options);
+        let error = plain(&stderr);
+        let error = error.lines().find(|line| line.starts_with("error"));
+        assert_eq!(error, Some(&format!("error: {said}")[..]));
+        assert!(status.code() == Some(code) && stdout.is_empty(), "{said}");
+        assert_eq!(read_to_string(folder.join(FILE)).unwrap(), file);
+    }
+}
