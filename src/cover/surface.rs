@@ -343,6 +343,15 @@ fn side(polygon: &[usize], heights: &[f64]) -> PolygonSide {
     }
 }
 
+/// Returns true if there are polygons, and each edge is passed as often one way as the other.
+pub(super) fn is_closed<'a>(polygons: impl Iterator<Item = &'a [usize]>) -> bool {
+    let mut passed: Vec<_> = polygons.flat_map(edges).collect();
+    let mut back: Vec<_> = passed.iter().map(|&(from, to)| (to, from)).collect();
+    passed.sort_unstable();
+    back.sort_unstable();
+    !passed.is_empty() && passed == back
+}
+
 fn edges(polygon: &[usize]) -> impl Iterator<Item = (usize, usize)> {
     let next = polygon.iter().skip(1).chain(polygon.first());
     polygon.iter().copied().zip(next.copied())
