@@ -103,6 +103,21 @@ impl Convex {
         convex
     }
 
+    /// Returns the triangles of a hull that has no depth to rounding, with its points.
+    pub(super) fn flat_triangles(&self) -> Option<(Vec<DVec3>, Vec<[usize; 3]>)> {
+        const NO_DEPTH: f64 = 1e-12;
+        let SolidForm::Hull { points, polygons } = &self.form else {
+            return None;
+        };
+        let fan = |polygon: &Vec<usize>| {
+            let pairs = polygon[1..].windows(2);
+            let triangles = pairs.map(|pair| [polygon[0], pair[0], pair[1]]);
+            triangles.collect::<Vec<_>>()
+        };
+        let is_flat = self.inner.1 <= NO_DEPTH;
+        is_flat.then(|| (points.clone(), polygons.iter().flat_map(fan).collect()))
+    }
+
     pub(super) const fn form(&self) -> &SolidForm {
         &self.form
     }

@@ -174,7 +174,14 @@ fn ball((form, rounded): &(SolidForm, f64)) -> Option<Sphere> {
 fn part(form: SolidForm) -> SolidPart {
     match form {
         SolidForm::Mesh { points, triangles } => SolidPart::Mesh(Mesh::new(points, triangles)),
-        convex => SolidPart::Convex(Convex::new(convex)),
+        convex => {
+            let convex = Convex::new(convex);
+            // Planes of faces do not bound a depth where there is none, nor a distance.
+            match convex.flat_triangles() {
+                Some((points, triangles)) => SolidPart::Mesh(Mesh::new(points, triangles)),
+                None => SolidPart::Convex(convex),
+            }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::fit;
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
 use nearmiss::parry3d::shape::{Compound, ConvexPolyhedron, Cuboid, SharedShape, TriMesh};
-use nearmiss::{Coverage, Extent, Sphere, verify_cover};
+use nearmiss::{Coverage, Extent, Sphere, SphereCover, verify_cover};
 use rand::RngExt;
 
 /// A U of unit cells, two deep: its prongs are five wide apart, and four high.
@@ -291,4 +291,27 @@ fn bent_faces_count() {
     sphere.radius -= spare - 1e-8;
     let verdict = verify_cover(&[sphere], &cube).unwrap();
     assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
+}
+
+/// A rectangle in space is covered as well as one in a plane of the axes, and its bound is one.
+#[test]
+fn flat_boxes_may_be_turned() {
+    let flat = Cuboid::new(Vector::new(1.0, 0.7, 0.0));
+    let turn = Pose::rotation(Vector::new(0.4, -0.7, 0.2));
+    let turned = Compound::new(vec![(turn, SharedShape::new(flat))]);
+    let (cover, of_turned) = (fit(&flat, 4), fit(&turned, 4));
+    let [percent, of_turned_percent] = [&cover, &of_turned].map(SphereCover::overshoot_percent);
+    assert!(
+        of_turned_percent < 1.01 * percent,
+        "{percent} {of_turned_percent}"
+    );
+    assert_eq!(of_turned.verify(&turned).unwrap(), Coverage::Covered);
+    let half = DVec3::new(1.0, f64::from(0.7_f32), 0.0);
+    for sphere in cover.spheres() {
+        for direction in crate::cases::directions(2_000) {
+            let point = sphere.offset + direction * sphere.radius;
+            let beyond = point.distance(point.clamp(-half, half));
+            assert!(beyond <= cover.overshoot(), "{beyond} {cover:?}");
+        }
+    }
 }
