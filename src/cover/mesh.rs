@@ -160,10 +160,6 @@ impl Mesh {
             return 0.0;
         }
         let angle = |triangle: &[usize; 3]| {
-            // A segment has no angle, but on it the formula has one.
-            if triangle[1] == triangle[2] {
-                return 0.0;
-            }
             let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
             let lengths = [a.length(), b.length(), c.length()];
             let below = lengths[0] * lengths[1] * lengths[2]
