@@ -53,10 +53,11 @@ pub(super) fn certify(
     mut level: f64,
 ) -> Certified {
     const ROUNDS: u32 = 8;
-    // A second proof, from other surfaces and other shares, needs some room.
+    // A second proof, from other surfaces and other shares, needs some room. Half-spaces are moved
+    // outward by 1e-11, which lengthens a small ball's share by more where a large ball is its neighbour.
     let is_round = solid.parts.iter().any(SolidPart::is_round);
     let other_surfaces = if is_round { 5e-7 * solid.diameter } else { 0.0 };
-    let spare = 32.0 * (solid.rounding + 1e-10) + other_surfaces;
+    let spare = 32.0 * (solid.rounding + 1e-10) + solid.unevenness + other_surfaces;
     let heights = solid.certain_distances(centres);
     let mut best = Certified {
         balls: Vec::new(),

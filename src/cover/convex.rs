@@ -1,7 +1,8 @@
 //! Convex forms: how deep a point lies in them, and polyhedra around them.
 
 use super::form::{Round, SolidForm, across};
-use super::surface::{HalfSpace, Surface};
+use super::hull::convex_hull;
+use super::surface::{HalfSpace, Surface, is_closed};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -13,8 +14,47 @@ pub(super) struct Convex {
     faces: Vec<HalfSpace>,
     /// A point inside, and its depth.
     inner: (DVec3, f64),
-    /// The form may reach so far beyond the polygons of a hull, by rounding of their corners.
+    /// No point of a hull is farther from what its polygons bound.
     pub(super) unevenness: f64,
+}
+
+/// Polygons of a hull stay as they are up to this unevenness, in the unit of solids: f32 bends them by
+/// less.
+const EVEN: f64 = 5e-7;
+
+/// The half-spaces behind the polygons of a hull.
+struct Faces {
+    half_spaces: Vec<HalfSpace>,
+    unevenness: f64,
+}
+
+impl Faces {
+    /// The plane of each polygon is moved inward until the polygon lies outside of it. The polygon is then in a
+    /// layer of a thickness t, beyond which there is no point of the hull. Take a point of the hull that is not
+    /// within what the polygons bound. On its way to the inner point it meets one of them after a share t / (t + d)
+    /// at most, where d is the depth of the inner point below the layer.
+    ///
+    /// A hull without depth is all surface, and no point is farther from it than its layers are thick.
+    fn new(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> Self {
+        const NO_DEPTH: f64 = 1e-10;
+        let farthest = points.iter().map(|point| point.distance(inner));
+        let farthest = farthest.fold(0.0, f64::max);
+        let mut faces = Self {
+            half_spaces: Vec::new(),
+            unevenness: 0.0,
+        };
+        for (half_space, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
+            let depth = (-half_space.height(inner)).max(0.0);
+            let beyond = if depth > NO_DEPTH {
+                farthest * layer / (layer + depth)
+            } else {
+                layer
+            };
+            faces.unevenness = faces.unevenness.max(beyond);
+            faces.half_spaces.push(half_space);
+        }
+        faces
+    }
 }
 
 impl Convex {
@@ -25,19 +65,25 @@ impl Convex {
             inner: (DVec3::ZERO, 0.0),
             unevenness: 0.0,
         };
-        let inner = match &convex.form {
+        let inner = match &mut convex.form {
             SolidForm::Hull { points, polygons } => {
-                let faces = polygons.iter().filter_map(|polygon| face(points, polygon));
-                (convex.faces, convex.unevenness) = faces.fold(
-                    (Vec::new(), 0.0),
-                    |(mut faces, unevenness), (face, slack)| {
-                        faces.push(face);
-                        (faces, f64::max(unevenness, slack))
-                    },
-                );
                 #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
                 let count = points.len().max(1) as f64;
-                points.iter().sum::<DVec3>() / count
+                let inner = points.iter().sum::<DVec3>() / count;
+                let mut faces = Faces::new(points, polygons, inner);
+                // parry3d joins triangles that are nearly in one plane, and their neighbours to these.
+                let is_even = faces.unevenness <= EVEN;
+                if !(is_even && is_closed(polygons.iter().map(Vec::as_slice)))
+                    && let Some(triangles) = convex_hull(points)
+                {
+                    faces = Faces::new(points, &triangles, inner);
+                    *polygons = triangles;
+                }
+                Faces {
+                    half_spaces: convex.faces,
+                    unevenness: convex.unevenness,
+                } = faces;
+                inner
             }
             SolidForm::Round(round) => {
                 // The middle of the largest ball within lies on the axis: of a cone, it touches the lower end.
@@ -55,6 +101,21 @@ impl Convex {
         };
         convex.inner = (inner, (-convex.height(inner).0).max(0.0));
         convex
+    }
+
+    /// Returns the triangles of a hull that has no depth to rounding, with its points.
+    pub(super) fn flat_triangles(&self) -> Option<(Vec<DVec3>, Vec<[usize; 3]>)> {
+        const NO_DEPTH: f64 = 1e-12;
+        let SolidForm::Hull { points, polygons } = &self.form else {
+            return None;
+        };
+        let fan = |polygon: &Vec<usize>| {
+            let pairs = polygon[1..].windows(2);
+            let triangles = pairs.map(|pair| [polygon[0], pair[0], pair[1]]);
+            triangles.collect::<Vec<_>>()
+        };
+        let is_flat = self.inner.1 <= NO_DEPTH;
+        is_flat.then(|| (points.clone(), polygons.iter().flat_map(fan).collect()))
     }
 
     pub(super) const fn form(&self) -> &SolidForm {
@@ -234,4 +295,27 @@ fn capsule_profile(half: f64, radius: f64, quarter: u32) -> Vec<(f64, f64)> {
         (-along, away)
     });
     lower.chain((0..quarter).rev().map(cap)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of the hull take the place of polygons that leave a gap.
+    #[test]
+    fn polygons_of_hulls_leave_no_gap() {
+        let SolidForm::Hull { points, polygons } = SolidForm::cuboid(DVec3::ONE) else {
+            unreachable!()
+        };
+        let whole = polygons.clone();
+        for (polygons, expected) in [(whole, 6), (polygons[1..].to_vec(), 12)] {
+            let points = points.clone();
+            let cube = Convex::new(SolidForm::Hull { points, polygons });
+            let surface = cube.polyhedron(4);
+            assert_eq!(surface.polygons().count(), expected);
+            assert!(is_closed(surface.polygons()));
+            assert!((surface.volume() - 8.0).abs() < 1e-14);
+            assert!(cube.unevenness <= 0.0);
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Triangle meshes: the nearest point of the surface, and which side a point is on.
 
-use super::surface::Surface;
+use super::surface::{Surface, is_closed};
 use glam::DVec3;
 
 /// Triangles in a tree of boxes.
@@ -40,7 +40,8 @@ impl Mesh {
                 *c = *b;
             }
         }
-        let closed = is_closed(&triangles);
+        let with_area = triangles.iter().filter(|[_, b, c]| b != c);
+        let closed = is_closed(with_area.map(<[usize; 3]>::as_slice));
         let mut mesh = Self {
             points,
             triangles: Vec::new(),
@@ -159,10 +160,6 @@ impl Mesh {
             return 0.0;
         }
         let angle = |triangle: &[usize; 3]| {
-            // A segment has no angle, but on it the formula has one.
-            if triangle[1] == triangle[2] {
-                return 0.0;
-            }
             let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
             let lengths = [a.length(), b.length(), c.length()];
             let below = lengths[0] * lengths[1] * lengths[2]
@@ -226,17 +223,6 @@ fn weld(points: &[DVec3], triangles: &mut [[usize; 3]]) {
     for corner in triangles.iter_mut().flatten() {
         *corner = same_as[*corner];
     }
-}
-
-/// Returns true if there are triangles, and each edge is passed as often one way as the other.
-fn is_closed(triangles: &[[usize; 3]]) -> bool {
-    let of_triangle = |&[a, b, c]: &[usize; 3]| [(a, b), (b, c), (c, a)];
-    let with_area = triangles.iter().filter(|[_, b, c]| b != c);
-    let mut edges: Vec<_> = with_area.flat_map(of_triangle).collect();
-    let mut back: Vec<_> = edges.iter().map(|&(from, to)| (to, from)).collect();
-    edges.sort_unstable();
-    back.sort_unstable();
-    !edges.is_empty() && edges == back
 }
 
 /// Returns the point of a triangle that is nearest to a place.

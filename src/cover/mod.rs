@@ -28,7 +28,9 @@
 //!    a closed surface winds around is in the convex hull of its points, and a ball is convex: it
 //!    contains the share if it contains the points of the cut surface. No sample, no subdivision, and
 //!    no void goes unnoticed: its corners are points of a cut surface. A surface that is not closed
-//!    is cut polygon by polygon, and covered as a surface.
+//!    is cut polygon by polygon, and covered as a surface. Polygons that close a cut may have gaps
+//!    and holes. A later cut of them joins crossings as they follow each other along its line, those
+//!    of pieces and holes in one plane together: the points stay within what the surface bounds.
 //! 3. **Rounding.** A cut decides once for each point on which side it lies, and makes one point
 //!    for each edge that crosses the plane. So the surface stays closed, whatever is rounded.
 //!    Rounding moves polygons by some units in the last place in each cut, less than 1e-12 in all
@@ -38,7 +40,10 @@
 //!    between two half-spaces that nearly agree. The radii are enlarged by more than the sum.
 //! 4. **Round forms** are proven on polyhedra that contain them: prisms and pyramids whose sides
 //!    touch the circles, and rings between tangents of a meridian.
-//! 5. **Overshoot.** A ball reaches out by at most r + phi(c). The depth of a point in a hull is its
+//! 5. **Hulls** are proven on their polygons, if these are closed and even to 5e-7, else on the
+//!    triangles of a hull made anew (`hull`). Each point of a hull is within its unevenness of what the
+//!    polygons bound (`convex`): so radii are enlarged by that, once.
+//! 6. **Overshoot.** A ball reaches out by at most r + phi(c). The depth of a point in a hull is its
 //!    least distance from the planes of the faces, moved inward until the faces, which f32 bends,
 //!    lie outside of them; in a round form it is a formula; in a mesh it is the distance of the nearest
 //!    triangle, with the side found by the sum of solid angles. The depth in a compound is the depth
@@ -57,6 +62,7 @@ mod descent;
 mod error;
 mod fit;
 mod form;
+mod hull;
 mod mesh;
 mod options;
 mod points;

@@ -27,6 +27,8 @@ pub(super) struct Solid {
     pub(super) is_exact: bool,
     /// Bound of the error of surfaces and bounds: roundings of the corners.
     pub(super) rounding: f64,
+    /// No point of a hull is farther from what its polygons bound, rounding apart.
+    pub(super) unevenness: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -106,7 +108,8 @@ impl Solid {
             SolidPart::Mesh(_) => 0.0,
         });
         Some(Self {
-            rounding: uneven.fold(0.0, f64::max) + 64.0 * f64::EPSILON * (1.0 + far),
+            rounding: 64.0 * f64::EPSILON * (1.0 + far),
+            unevenness: uneven.fold(0.0, f64::max),
             parts,
             balls,
             is_exact: reach <= 0.0,
@@ -171,7 +174,14 @@ fn ball((form, rounded): &(SolidForm, f64)) -> Option<Sphere> {
 fn part(form: SolidForm) -> SolidPart {
     match form {
         SolidForm::Mesh { points, triangles } => SolidPart::Mesh(Mesh::new(points, triangles)),
-        convex => SolidPart::Convex(Convex::new(convex)),
+        convex => {
+            let convex = Convex::new(convex);
+            // Planes of faces do not bound a depth where there is none, nor a distance.
+            match convex.flat_triangles() {
+                Some((points, triangles)) => SolidPart::Mesh(Mesh::new(points, triangles)),
+                None => SolidPart::Convex(convex),
+            }
+        }
     }
 }
 

@@ -242,7 +242,7 @@ impl ClipScratch {
     fn end_face(&mut self) {
         match self.face_crossings[..] {
             [] => {}
-            [one, other] => self.cut.extend(cut_edge(one, other)),
+            [one, other] => self.cut.push(cut_edge(one, other)),
             _ => self.cut_face_along_line(),
         }
         self.face_crossings.clear();
@@ -283,8 +283,8 @@ impl ClipScratch {
             match open.pop() {
                 Some(other) if other.1 != crossing.1 => {
                     let edge = cut_edge(other, crossing);
-                    kept.extend(edge.map(|(entrance, exit)| (exit, entrance)));
-                    cut.extend(edge);
+                    kept.push((edge.1, edge.0));
+                    cut.push(edge);
                 }
                 other => open.extend(other.into_iter().chain([crossing])),
             }
@@ -296,11 +296,13 @@ impl ClipScratch {
     }
 }
 
-/// Returns the edge of the cut between an exit and an entrance, from the entrance; none between one
-/// point and itself.
-fn cut_edge(one: (usize, bool), other: (usize, bool)) -> Option<(usize, usize)> {
-    let (exit, entrance) = if one.1 { (one, other) } else { (other, one) };
-    (exit.0 != entrance.0).then_some((entrance.0, exit.0))
+/// Returns the edge of the cut from an entrance to an exit.
+const fn cut_edge(one: (usize, bool), other: (usize, bool)) -> (usize, usize) {
+    if one.1 {
+        (other.0, one.0)
+    } else {
+        (one.0, other.0)
+    }
 }
 
 /// Joins edges to the polygons of a face.
@@ -341,6 +343,15 @@ fn side(polygon: &[usize], heights: &[f64]) -> PolygonSide {
         (true, false) => PolygonSide::Inside,
         (false, _) => PolygonSide::Outside,
     }
+}
+
+/// Returns true if there are polygons, and each edge is passed as often one way as the other.
+pub(super) fn is_closed<'a>(polygons: impl Iterator<Item = &'a [usize]>) -> bool {
+    let mut passed: Vec<_> = polygons.flat_map(edges).collect();
+    let mut back: Vec<_> = passed.iter().map(|&(from, to)| (to, from)).collect();
+    passed.sort_unstable();
+    back.sort_unstable();
+    !passed.is_empty() && passed == back
 }
 
 fn edges(polygon: &[usize]) -> impl Iterator<Item = (usize, usize)> {

@@ -171,7 +171,7 @@ impl Balls {
     }
 
     fn of_polyhedron(&self, solid: &Solid, surface: &Surface) -> Coverage {
-        let spare = solid.rounding + self.rounding;
+        let spare = solid.rounding + solid.unevenness + self.rounding;
         match farthest_out(surface, &self.balls, spare) {
             None => Coverage::Covered,
             Some(point) if self.are_left_out(point) => Coverage::Uncovered { point },

@@ -25,7 +25,7 @@ pub(crate) fn directions(count: u32) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |_| direction(&mut random))
 }
 
-fn direction(random: &mut ChaCha8Rng) -> DVec3 {
+pub(crate) fn direction(random: &mut ChaCha8Rng) -> DVec3 {
     loop {
         let point = DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
         if (0.01..1.0).contains(&point.length_squared()) {

@@ -4,8 +4,8 @@ use crate::cases::{no_segment_is_left_out, seeded};
 use crate::fit;
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
-use nearmiss::parry3d::shape::{Compound, Cuboid, SharedShape, TriMesh};
-use nearmiss::{Coverage, Extent, Sphere, verify_cover};
+use nearmiss::parry3d::shape::{Compound, ConvexPolyhedron, Cuboid, SharedShape, TriMesh};
+use nearmiss::{Coverage, Extent, Sphere, SphereCover, verify_cover};
 use rand::RngExt;
 
 /// A U of unit cells, two deep: its prongs are five wide apart, and four high.
@@ -232,4 +232,86 @@ fn segments_of_meshes_are_covered() {
     assert_eq!(cover.verify(&antenna).unwrap(), Coverage::Covered);
     let end = DVec3::new(9.0, 1.0, 1.0);
     no_segment_is_left_out([DVec3::ONE, end], &cover);
+}
+
+/// Hulls whose flat triangles parry3d makes one face, though they are not in one plane.
+#[test]
+fn uneven_faces_cost_little() {
+    for (seed, flatness) in [
+        (1, 1.0),
+        (2, 0.1),
+        (3, 0.1),
+        (4, 0.01),
+        (5, 0.001),
+        (6, 1e-4),
+    ] {
+        let mut random = seeded(seed);
+        let points: Vec<Vector> = (0..300)
+            .map(|_| {
+                let direction = crate::cases::direction(&mut random);
+                (direction * DVec3::new(1.0, 1.0, flatness)).as_vec3()
+            })
+            .collect();
+        let hull = ConvexPolyhedron::from_convex_hull(&points).unwrap();
+        let cover = fit(&hull, 1);
+        let radius = cover.spheres()[0].radius;
+        assert!(radius < 1.01, "{flatness}: {radius}");
+        assert_eq!(cover.verify(&hull).unwrap(), Coverage::Covered);
+        let half = random.random_range(0.9..1.0);
+        let small = [Sphere {
+            offset: DVec3::ZERO,
+            radius: half,
+        }];
+        let verdict = verify_cover(&small, &hull).unwrap();
+        assert!(matches!(verdict, Coverage::Uncovered { .. }), "{verdict:?}");
+    }
+}
+
+/// A cube that f32 bends as it is turned: its faces reach beyond the polygons of some corners.
+#[test]
+fn bent_faces_count() {
+    let turn = Pose::rotation(Vector::new(0.3, 0.2, 0.7)).rotation;
+    let mut points = Vec::new();
+    for number in 0..64_u8 {
+        let [x, y, z] =
+            [number % 4, number / 4 % 4, number / 16].map(|place| f32::from(place) / 3.0);
+        points.push(turn * Vector::new(x, y, z));
+    }
+    let cube = ConvexPolyhedron::from_convex_hull(&points).unwrap();
+    let beyond = |sphere: &Sphere| {
+        let corners = cube.points().iter().map(|point| point.as_dvec3());
+        let distances = corners.map(|corner| corner.distance(sphere.offset));
+        sphere.radius - distances.fold(0.0, f64::max)
+    };
+    let cover = fit(&cube, 1);
+    let mut sphere = cover.spheres()[0];
+    let spare = beyond(&sphere);
+    assert!((5e-8..1e-6).contains(&spare), "{spare}");
+    assert_eq!(cover.verify(&cube).unwrap(), Coverage::Covered);
+    sphere.radius -= spare - 1e-8;
+    let verdict = verify_cover(&[sphere], &cube).unwrap();
+    assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
+}
+
+/// A rectangle in space is covered as well as one in a plane of the axes, and its bound is one.
+#[test]
+fn flat_boxes_may_be_turned() {
+    let flat = Cuboid::new(Vector::new(1.0, 0.7, 0.0));
+    let turn = Pose::rotation(Vector::new(0.4, -0.7, 0.2));
+    let turned = Compound::new(vec![(turn, SharedShape::new(flat))]);
+    let (cover, of_turned) = (fit(&flat, 4), fit(&turned, 4));
+    let [percent, of_turned_percent] = [&cover, &of_turned].map(SphereCover::overshoot_percent);
+    assert!(
+        of_turned_percent < 1.01 * percent,
+        "{percent} {of_turned_percent}"
+    );
+    assert_eq!(of_turned.verify(&turned).unwrap(), Coverage::Covered);
+    let half = DVec3::new(1.0, f64::from(0.7_f32), 0.0);
+    for sphere in cover.spheres() {
+        for direction in crate::cases::directions(2_000) {
+            let point = sphere.offset + direction * sphere.radius;
+            let beyond = point.distance(point.clamp(-half, half));
+            assert!(beyond <= cover.overshoot(), "{beyond} {cover:?}");
+        }
+    }
 }

@@ -189,7 +189,10 @@ fn places_far_away_are_rounded() {
         assert!(is_enough(cover.spheres()), "{cover:?}");
         assert_eq!(cover.verify(&shape).unwrap(), Coverage::Covered);
     }
-    let too_small = [sphere(DVec3::X * f64::from(1e10_f32), f64::from(1e-3_f32))];
+    let too_small = [sphere(
+        DVec3::X * f64::from(1e10_f32),
+        f64::from(1e-3_f32) + 0.5e-7,
+    )];
     let verdict = verify_cover(&too_small, &shape).unwrap();
     assert_ne!(verdict, Coverage::Covered);
 }
