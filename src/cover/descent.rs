@@ -7,6 +7,12 @@ use super::solid::Solid;
 use super::surface::Surface;
 use glam::DVec3;
 
+/// Temperatures below the overshoot at which the weight of a point is nothing.
+const NO_WEIGHT: f64 = 30.0;
+
+/// Share of the overshoot from which on a point is among the worst.
+const NEARLY: f64 = 0.95;
+
 /// A point that a ball must contain.
 #[derive(Clone, Copy, Debug)]
 struct Demand {
@@ -52,6 +58,7 @@ pub(super) struct DescentScratch {
     motions: Vec<Moments>,
     nearest: Nearest,
     meetings: Points,
+    nearest_to_meetings: Nearest,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,7 +85,11 @@ pub(super) fn descend(
     };
     let mut unit = 0.0;
     for step in 0..schedule.steps {
-        let overshoot = scratch.measure(solid, target, &centres, level);
+        let progress = f64::from(step) / f64::from(schedule.steps.max(2) - 1);
+        let share = schedule.first * (schedule.last / schedule.first).powf(progress);
+        // What lies deeper has no weight.
+        let depth = (NO_WEIGHT + 1.0) * share * best.overshoot * schedule.temperature;
+        let overshoot = scratch.measure(solid, target, &centres, level, depth);
         if overshoot < best.overshoot {
             best.overshoot = overshoot;
             best.centres.clone_from(&centres);
@@ -87,8 +98,6 @@ pub(super) fn descend(
             unit = (scratch.spacing(overshoot) * overshoot).max(0.0).sqrt();
         }
         level = overshoot;
-        let progress = f64::from(step) / f64::from(schedule.steps.max(2) - 1);
-        let share = schedule.first * (schedule.last / schedule.first).powf(progress);
         let length = share * unit;
         scratch.find_gradient(
             &centres,
@@ -123,22 +132,26 @@ impl Moments {
 
 impl DescentScratch {
     /// Finds the points that each ball must contain, and returns the overshoot. `level` is about
-    /// the overshoot to expect, NaN if nothing is known.
+    /// the overshoot to expect, NaN if nothing is known. Points that are neither among the worst nor within
+    /// `depth` of the overshoot may be left out.
     pub(super) fn measure(
         &mut self,
         solid: &Solid,
         target: &Target<'_>,
         centres: &[DVec3],
         level: f64,
+        depth: f64,
     ) -> f64 {
         self.place_balls(solid, target, centres, level);
         self.demands.clear();
         match target {
-            Target::Surfaces(surfaces) => self.share_surfaces(surfaces),
-            Target::Samples(samples) => self.share_samples(samples),
+            Target::Surfaces(surfaces) => {
+                self.share_surfaces(surfaces);
+                let overshoots = self.demands.iter().map(|demand| self.overshoot(demand));
+                overshoots.fold(0.0, f64::max)
+            }
+            Target::Samples(samples) => self.share_samples(samples, depth),
         }
-        let overshoots = self.demands.iter().map(|demand| self.overshoot(demand));
-        overshoots.fold(0.0, f64::max)
     }
 
     fn place_balls(&mut self, solid: &Solid, target: &Target<'_>, centres: &[DVec3], level: f64) {
@@ -220,7 +233,6 @@ impl DescentScratch {
         centres: &[DVec3],
         random: &mut Random,
     ) -> Option<(DVec3, DVec3)> {
-        const NEARLY: f64 = 0.95;
         let overshoots = self.demands.iter().map(|demand| self.overshoot(demand));
         let enough = NEARLY * overshoots.fold(0.0, f64::max);
         let worst = self
@@ -259,26 +271,31 @@ impl DescentScratch {
         }
     }
 
-    fn share_samples(&mut self, samples: &Samples) {
-        self.nearest
-            .find(&samples.points, &self.balls, &self.heights);
-        self.push_nearest(&samples.points);
-        let mut meetings = std::mem::take(&mut self.meetings);
-        samples.find_meetings(&self.nearest, &self.balls, &mut meetings);
-        self.nearest.find(&meetings, &self.balls, &self.heights);
-        self.push_nearest(&meetings);
-        self.meetings = meetings;
-    }
-
-    fn push_nearest(&mut self, points: &Points) {
-        for (number, &ball) in self.nearest.balls.iter().enumerate() {
-            let point = points.at(number);
-            self.demands.push(Demand {
-                ball,
-                point,
-                distance: point.distance(self.balls[ball].0),
-            });
+    fn share_samples(&mut self, samples: &Samples, depth: f64) -> f64 {
+        let (balls, heights) = (&self.balls, &self.heights);
+        self.nearest.find(&samples.points, balls, heights);
+        samples.find_meetings(&self.nearest, balls, &mut self.meetings);
+        self.nearest_to_meetings
+            .find(&self.meetings, balls, heights);
+        let found = [
+            (&samples.points, &self.nearest),
+            (&self.meetings, &self.nearest_to_meetings),
+        ];
+        let most = found.map(|(_, nearest)| nearest.most());
+        let most = most[0].max(most[1]);
+        let least = (most - depth).min(NEARLY * most);
+        for (points, nearest) in found {
+            let overshoots = nearest.first.iter().enumerate();
+            for (number, _) in overshoots.filter(|(_, overshoot)| **overshoot >= least) {
+                let (ball, point) = (nearest.balls[number], points.at(number));
+                self.demands.push(Demand {
+                    ball,
+                    point,
+                    distance: point.distance(balls[ball].0),
+                });
+            }
         }
+        most
     }
 
     /// Finds the gradient of the soft maximum of all overshoots.
@@ -290,7 +307,7 @@ impl DescentScratch {
         for demand in &self.demands {
             let (height, slope) = self.heights[demand.ball];
             let below = overshoot - (demand.distance + height);
-            if below > 30.0 * temperature {
+            if below > NO_WEIGHT * temperature {
                 continue;
             }
             let weight = (-below / temperature).exp();

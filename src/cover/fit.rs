@@ -105,7 +105,7 @@ impl<'a> Fitter<'a> {
             25
         } else {
             // The descents after them are longer.
-            16
+            9
         };
         (chains, rounds)
     }
@@ -179,7 +179,7 @@ impl<'a> Fitter<'a> {
         // The first chain begins with the best lattice, or with points all along the ridges.
         if chain == 0 {
             for centres in lattices(self.solid, count).chain(even(&self.ridges, count)) {
-                let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN);
+                let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN, 0.0);
                 let is_better = |best: &CoverCandidate| overshoot < best.overshoot;
                 if best.as_ref().is_none_or(is_better) {
                     best = Some(CoverCandidate { centres, overshoot });
@@ -225,7 +225,7 @@ impl<'a> Fitter<'a> {
         };
         /// Few samples leave the balls farther from where they should be.
         const AFTER_SAMPLES: Schedule = Schedule {
-            steps: 800,
+            steps: 500,
             first: 0.1,
             ..LAST
         };

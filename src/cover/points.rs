@@ -23,7 +23,7 @@ pub(super) struct Samples {
     pub(super) points: Points,
     /// Outward unit vectors.
     normals: Vec<DVec3>,
-    triangles: Vec<[usize; 3]>,
+    triangles: Vec<[u32; 3]>,
     /// True if all surfaces are closed: points behind them are inside.
     is_volume: bool,
 }
@@ -33,7 +33,7 @@ pub(super) struct Samples {
 pub(super) struct Nearest {
     pub(super) balls: Vec<usize>,
     /// The least overshoot, and the second.
-    first: Vec<f64>,
+    pub(super) first: Vec<f64>,
     second: Vec<f64>,
 }
 
@@ -58,41 +58,53 @@ impl Points {
         DVec3::new(self.x[number], self.y[number], self.z[number])
     }
 
-    /// Returns the largest number below which no square of a distance from a place lies.
-    fn least_square(&self, at: DVec3) -> f64 {
-        InstructionSet::best().run(LeastSquare { points: self, at })
+    /// Returns the points of a group.
+    fn group(&self, group: usize) -> Range<usize> {
+        let count = self.x.len();
+        let size = count.div_ceil(GROUPS).next_multiple_of(BLOCK);
+        (group * size).min(count)..((group + 1) * size).min(count)
+    }
+
+    /// Returns the largest numbers below which no square of a distance from a place lies, for each group.
+    fn least_squares(&self, at: DVec3) -> [f64; GROUPS] {
+        InstructionSet::best().run(LeastSquares { points: self, at })
     }
 }
 
-/// The work of [`Points::least_square`].
-struct LeastSquare<'a> {
+/// The work of [`Points::least_squares`].
+struct LeastSquares<'a> {
     points: &'a Points,
     at: DVec3,
 }
 
-impl Task for LeastSquare<'_> {
-    type Output = f64;
+impl Task for LeastSquares<'_> {
+    type Output = [f64; GROUPS];
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run(self) -> Self::Output {
         let (Points { x, y, z }, at) = (self.points, self.at);
         let count = x.len();
         let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        // One for each lane: the minimum does not depend on the order.
-        let mut least = [f64::INFINITY; BLOCK];
         let square = |i: usize| {
             let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
             dx * dx + dy * dy + dz * dz
         };
-        let whole = count - count % BLOCK;
-        for start in (0..whole).step_by(BLOCK) {
-            for (lane, least) in least.iter_mut().enumerate() {
-                let square = square(start + lane);
-                *least = if square < *least { square } else { *least };
+        let mut of_groups = [f64::INFINITY; GROUPS];
+        for (group, of_group) in of_groups.iter_mut().enumerate() {
+            let Range { start, end } = self.points.group(group);
+            // One for each lane: the minimum does not depend on the order.
+            let mut least = [f64::INFINITY; BLOCK];
+            let whole = end - (end - start) % BLOCK;
+            for start in (start..whole).step_by(BLOCK) {
+                for (lane, least) in least.iter_mut().enumerate() {
+                    let square = square(start + lane);
+                    *least = if square < *least { square } else { *least };
+                }
             }
+            let rest = (whole..end).map(square);
+            *of_group = rest.chain(least).fold(f64::INFINITY, f64::min);
         }
-        let rest = (whole..count).map(square);
-        rest.chain(least).fold(f64::INFINITY, f64::min)
+        of_groups
     }
 }
 
@@ -100,6 +112,7 @@ impl Task for LeastSquare<'_> {
 struct WeighNearest<'a> {
     samples: &'a Samples,
     at: DVec3,
+    of_groups: [f64; GROUPS],
     least: f64,
     most: f64,
     /// Twice the variance of the weights.
@@ -115,7 +128,10 @@ impl Task for WeighNearest<'_> {
         let (mut plane, mut slope, mut total) = (0.0, DVec3::ZERO, 0.0);
         let count = x.len();
         let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        for start in (0..count).step_by(BLOCK) {
+        let of_groups = self.of_groups.iter().enumerate();
+        let near = of_groups.filter(|(_, least)| **least <= self.most);
+        let groups = near.map(|(group, _)| self.samples.points.group(group));
+        for start in groups.flat_map(|group| group.step_by(BLOCK)) {
             let end = count.min(start + BLOCK);
             let mut has_some = false;
             for i in start..end {
@@ -174,7 +190,7 @@ impl Samples {
                 let number = *numbers.entry(place).or_insert_with(|| {
                     samples.points.extend([point]);
                     samples.normals.push(normal);
-                    samples.normals.len() - 1
+                    u32::try_from(samples.normals.len() - 1).unwrap_or(u32::MAX)
                 });
                 number_of.push(number);
             }
@@ -201,10 +217,12 @@ impl Samples {
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
         /// Distances that differ by less count as equal, relative to the distance.
         const BLUR: f64 = 0.01;
-        let least = self.points.least_square(at);
+        let of_groups = self.points.least_squares(at);
+        let least = of_groups.into_iter().fold(f64::INFINITY, f64::min);
         let (plane, slope, total) = InstructionSet::best().run(WeighNearest {
             samples: self,
             at,
+            of_groups,
             least,
             most: least * (1.0 + 6.0 * BLUR),
             blur: (2.0 * BLUR * least).max(f64::MIN_POSITIVE),
@@ -234,6 +252,7 @@ impl Samples {
             point.distance_squared(centre) - radius * radius
         };
         for corners in &self.triangles {
+            let corners = corners.map(|corner| corner as usize);
             let of = corners.map(|corner| nearest.balls[corner]);
             if of[0] == of[1] && of[1] == of[2] {
                 continue;
@@ -264,6 +283,9 @@ impl Samples {
 /// Points that are looked at together.
 const BLOCK: usize = 16;
 
+/// Groups of points of which the nearest one is known: most need not be looked at again.
+const GROUPS: usize = 16;
+
 /// The work of [`Nearest::find`].
 ///
 /// A ball is tried on a block of points by squares first: most are farther from all of them than the
@@ -273,6 +295,7 @@ struct FindBest<'a> {
     balls: &'a [(DVec3, f64)],
     heights: &'a [(f64, DVec3)],
     best: &'a mut [usize],
+    first: &'a mut [f64],
 }
 
 impl Task for FindBest<'_> {
@@ -293,6 +316,7 @@ impl Task for FindBest<'_> {
                 }
             }
             self.best[start..end].copy_from_slice(&block.best[..end - start]);
+            self.first[start..end].copy_from_slice(&block.first[..end - start]);
             guess = block.best[0];
         }
     }
@@ -365,21 +389,30 @@ fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
 }
 
 impl Nearest {
-    /// Finds the best ball for each point, given the height of each centre.
+    /// Finds the best ball for each point and the overshoot there, given the height of each centre.
     pub(super) fn find(
         &mut self,
         points: &Points,
         balls: &[(DVec3, f64)],
         heights: &[(f64, DVec3)],
     ) {
+        let count = points.x.len();
         self.balls.clear();
-        self.balls.resize(points.x.len(), 0);
+        self.balls.resize(count, 0);
+        self.first.clear();
+        self.first.resize(count, f64::INFINITY);
         InstructionSet::best().run(FindBest {
             points,
             balls,
             heights,
             best: &mut self.balls,
+            first: &mut self.first,
         });
+    }
+
+    /// Returns the largest overshoot at any point, at least 0.
+    pub(super) fn most(&self) -> f64 {
+        self.first.iter().copied().fold(0.0, f64::max)
     }
 
     /// Finds the least overshoot at each point, and the second, given the height of each centre.

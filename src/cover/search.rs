@@ -30,7 +30,7 @@ pub(super) fn improve(
     } else {
         order[..useless.div_ceil(3)].to_vec()
     };
-    scratch.measure(solid, target, &centres, best.overshoot);
+    scratch.measure(solid, target, &centres, best.overshoot, 0.0);
     for ball in moved {
         if let Some((point, centre)) = scratch.one_of_the_worst(&best.centres, random) {
             let between = point.lerp(centre, 0.2 + 0.6 * random.unit());

@@ -10,8 +10,10 @@ use crate::id::BodyId;
 use crate::orientation::TrackedSpin;
 use crate::parallel;
 use crate::scene::BodyState;
+use crate::simd::prefetch;
 use crate::trajectory::Trajectory;
 use crate::window::Window;
+use std::slice::from_ref;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Monitor {
@@ -258,10 +260,27 @@ impl Monitor {
             }
         }
         // Last: what a body takes with another plan was worked out for the old shape.
-        for (place, spin) in &tracked.spins {
+        for (number, (place, spin)) in tracked.spins.iter().enumerate() {
+            self.prefetch_turning(tracked, number);
             self.take_spin(tracked.ids[*place], spin, (now, since))?;
         }
         Ok(())
+    }
+
+    /// Prefetches orientations that are changed later.
+    fn prefetch_turning(&self, tracked: &TrackedMotions, number: usize) {
+        const AHEAD: usize = CommandBatch::AHEAD;
+        let later = |ahead: usize| {
+            let (place, _) = tracked.spins.get(number + ahead)?;
+            let (_, entry) = self.scene.in_slot(tracked.ids[*place].slot)?;
+            entry.body.orientation.turning()
+        };
+        if let Some(turning) = later(2 * AHEAD) {
+            prefetch(from_ref(turning));
+        }
+        if let Some(turning) = later(AHEAD) {
+            turning.prefetch_parts();
+        }
     }
 
     /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one.
@@ -271,11 +290,19 @@ impl Monitor {
         spin: &TrackedSpin,
         (from, since): (f64, f64),
     ) -> Result<(), Error> {
-        if self.scene.follow_spin(id, spin, (from, since))? {
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let turned = !body.orientation.is_fixed();
+        if !self.scene.follow_spin(id, spin, (from, since))? {
+            return Ok(());
+        }
+        if turned {
+            // A shape depends on the tolerance, which a spin leaves as it is, and not on how the body turns.
+            self.search.forget(id.slot);
+        } else {
             let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
-            self.count_change();
         }
+        self.count_change();
         Ok(())
     }
 

@@ -21,7 +21,7 @@
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::DistanceProfile;
+use super::stretches::{DistanceProfile, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
@@ -376,7 +376,8 @@ impl MergedConflict<'_> {
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = contact_radius(pair.radius_a, pair.radius_b, band.outer);
-            profile.stretches(&pair.cubic, radius.max(0.0), clip, |(enter, exit), _| {
+            let radius = radius.max(0.0);
+            profile.stretches(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
                 if exit >= self.start && enter <= self.end {
                     first = first.min(enter);
                     last = last.max(exit);

@@ -5,7 +5,7 @@ use super::half_space::{self, may_touch_plane};
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::DistanceProfile;
+use super::stretches::{DistanceProfile, Known, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
@@ -135,7 +135,7 @@ pub(crate) fn contacts(
     for span in spans {
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, clip, found);
+            solved_contacts(&pair, span, margin, (clip, NEVER), found);
         } else {
             contacts_of_many(a, b, span, margin, clip, found);
         }
@@ -149,12 +149,26 @@ fn solved_contacts(
     pair: &SpherePair,
     span: Span,
     margin: f64,
-    clip: (f64, f64),
+    clip_and_known: ((f64, f64), Known),
     found: &mut Vec<Contact>,
 ) {
     if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
-        pair.contacts(&profile, span, margin, clip, found);
+        pair.contacts(&profile, span, margin, clip_and_known, found);
     }
+}
+
+/// Returns what is known of a contact, its interval (s) and separation (m), with what more contacts add to it; or
+/// the last one of them that does not touch it.
+fn with_more(known: Known, more: &[Contact]) -> Known {
+    more.iter().fold(known, |((from, to), least), contact| {
+        let (interval, separation) = ((contact.enter, contact.exit), contact.closest.separation);
+        if interval.0 <= to && interval.1 >= from {
+            let joined = (from.min(interval.0), to.max(interval.1));
+            (joined, least.min(separation))
+        } else {
+            (interval, separation)
+        }
+    })
 }
 
 /// Appends the contacts of clusters over a span.
@@ -168,14 +182,17 @@ fn contacts_of_many(
     found: &mut Vec<Contact>,
 ) {
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
+        let mut known = NEVER;
         turning.each_within(margin, clip, |pair, part| {
-            solved_contacts(pair, part, margin, clip, found);
+            let count = found.len();
+            solved_contacts(pair, part, margin, (clip, known), found);
+            known = with_more(known, &found[count..]);
         });
         return;
     }
     ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
         let count = found.len();
-        solved_contacts(pair, span, margin, clip, found);
+        solved_contacts(pair, span, margin, (clip, NEVER), found);
         if let Some(shown) = shown {
             shown.extend(found[count..].iter().map(|contact| ProvenContact {
                 enter: contact.enter,
@@ -195,13 +212,16 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
+    let mut known = NEVER;
     for SolvedSpan {
         span,
         pair,
         profile,
     } in solved
     {
-        pair.contacts(profile, *span, margin, clip, found);
+        let count = found.len();
+        pair.contacts(profile, *span, margin, (clip, known), found);
+        known = with_more(known, &found[count..]);
     }
     join(found, first);
 }

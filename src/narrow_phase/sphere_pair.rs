@@ -2,10 +2,10 @@
 
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, local_scale, rejection_threshold};
-use super::stretches::{DistanceProfile, ProfilePoint};
+use super::stretches::{DistanceProfile, Known, ProfilePoint};
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
-use crate::rounding::CLEARANCE;
+use crate::rounding::{CLEARANCE, UNIT_ROUNDOFF};
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -111,25 +111,36 @@ impl SpherePair {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
+    /// Appends the contacts in a window. Of what lies in a known interval (s), contacts whose separation is above
+    /// the known one (m) may lack something, as [stretches](DistanceProfile::stretches).
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
         span: Span,
         margin: f64,
-        clip: (f64, f64),
+        (clip, (known, separation)): ((f64, f64), Known),
         found: &mut Vec<Contact>,
     ) {
         let radius = self.radius(margin);
         if radius < 0.0 {
             return;
         }
-        profile.stretches(&self.cubic, radius, clip, |(enter, exit), closest| {
-            found.push(Contact {
-                enter,
-                exit,
-                closest: self.approach(span, closest),
-            });
-        });
+        // Separations are rounded to the size of the radii.
+        let radii = self.radius_a + self.radius_b;
+        let rounding = 4.0 * UNIT_ROUNDOFF * (radii + separation.abs());
+        let nearest = radii + separation + rounding;
+        profile.stretches(
+            &self.cubic,
+            radius,
+            (clip, (known, nearest)),
+            |(enter, exit), closest| {
+                found.push(Contact {
+                    enter,
+                    exit,
+                    closest: self.approach(span, closest),
+                });
+            },
+        );
     }
 
     /// Returns an attained separation (m) between two instants of a span, rounding included.

@@ -9,7 +9,7 @@ use super::dips::{DistanceExtrema, may_be_hidden};
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
-use crate::rounding::{norm, normalising_power};
+use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
 
 /// An instant of a span with its centre distance.
 #[derive(Clone, Copy, Debug)]
@@ -210,11 +210,14 @@ impl DistanceProfile {
     /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal
     /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
     /// Distances within rounding of the radius count.
+    ///
+    /// Of what lies in `known` (s), a stretch that is nowhere as near as `nearest` (m) may lack an end, and all from
+    /// there to the next node inside.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
-        (from, to): (f64, f64),
+        ((from, to), (known, nearest)): ((f64, f64), Known),
         mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
@@ -239,14 +242,18 @@ impl DistanceProfile {
             {
                 continue;
             }
+            let least = nodes[first..=last].iter().map(|node| node.distance);
+            let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
+            let known = if least > nearest { known } else { NEVER.0 };
+            let end = |nodes| end_of_stretch(cubic, radius, nodes, known);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
-                Some(outside) if first.time > from => crossing(cubic, radius, first, outside),
+                Some(outside) if first.time > from => end([first, outside]),
                 Some(_) => from,
                 None => first.time,
             };
             let exit = match after {
-                Some(outside) if last.time < to => crossing(cubic, radius, last, outside),
+                Some(outside) if last.time < to => end([last, outside]),
                 Some(_) => to,
                 None => last.time,
             };
@@ -269,6 +276,40 @@ impl ProfilePoint {
         } else {
             self
         }
+    }
+}
+
+/// An interval (s), and a distance (m).
+pub(super) type Known = ((f64, f64), f64);
+
+/// An interval in which nothing lies.
+pub(super) const NEVER: Known = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
+
+/// Returns the end of a stretch between two nodes: the [crossing], or the instant of the node inside if the
+/// crossing, and all from there to that node, certainly lies in an interval (s).
+fn end_of_stretch(
+    cubic: &RelativeCubic,
+    radius: f64,
+    [inside, outside]: [&ProfileNode; 2],
+    (from, to): (f64, f64),
+) -> f64 {
+    /// Rounding of an instant's parameter, and of a parameter's instant but for that to the nearest number.
+    const ROUNDING: f64 = 16.0 * UNIT_ROUNDOFF;
+    let is_known = |node: &ProfileNode| from <= node.time && node.time <= to;
+    // The distance falls from the outside to the inside: a crossing lies beyond what is certainly outside.
+    let lies_beyond_end = || {
+        let (s, low, high) = if outside.s < inside.s {
+            (cubic.parameter(from) + ROUNDING, outside.s, inside.s)
+        } else {
+            (cubic.parameter(to) - ROUNDING, inside.s, outside.s)
+        };
+        // Twice for the rounding of this distance and of the crossing's, and as much to spare.
+        low < s && s < high && cubic.distance(s) > radius + 4.0 * cubic.tolerance()
+    };
+    if is_known(inside) && (is_known(outside) || lies_beyond_end()) {
+        inside.time
+    } else {
+        crossing(cubic, radius, inside, outside)
     }
 }
 
@@ -346,6 +387,56 @@ mod tests {
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
+
+    /// The end of a stretch is the crossing, unless it lies in what is known: also where that ends within
+    /// roundings of it, early and late on the clock.
+    #[test]
+    fn ends_are_left_out_where_they_are_known() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut counts = [0; 2];
+        for round in 0..40_000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let points = [0; 4].map(|_| vector());
+            let start = [0.0, 1e3, 1e9, -0.3][round % 4];
+            let size = largest_norm(&points);
+            let cubic = RelativeCubic {
+                start,
+                end: start + 1.0,
+                points,
+                error: [1.0, 1e6][round / 4 % 2] * UNIT_ROUNDOFF * size,
+                size,
+            };
+            let radius = rng.random_range(0.1..1.0);
+            let profile = DistanceProfile::of(&cubic);
+            let threshold = radius + cubic.tolerance();
+            for ends in profile.nodes().windows(2) {
+                let nodes = match [0, 1].map(|k| ends[k].distance <= threshold) {
+                    [true, false] => [&ends[0], &ends[1]],
+                    [false, true] => [&ends[1], &ends[0]],
+                    _ => continue,
+                };
+                let [inside, outside] = nodes;
+                let at = crossing(&cubic, radius, inside, outside);
+                let mut near = at;
+                for _ in 0..rng.random_range(0..4) {
+                    near = [near.next_up(), near.next_down()][rng.random_range(0..2)];
+                }
+                near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
+                for known in [(near, cubic.end), (cubic.start, near), NEVER.0] {
+                    let found = end_of_stretch(&cubic, radius, nodes, known);
+                    let covers = |time: f64| known.0 <= time && time <= known.1;
+                    let is_found = found.total_cmp(&at).is_eq();
+                    let is_left_out = found.total_cmp(&inside.time).is_eq() && covers(found);
+                    assert!(
+                        is_found || is_left_out && covers(at),
+                        "{round} {at} {known:?}"
+                    );
+                    counts[usize::from(is_found)] += 1;
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
+    }
 
     /// A motion within the tolerance of a radius, and no nearer, is examined, for tolerances of
     /// roundings alone and of inexact motions.

@@ -7,6 +7,7 @@ use super::source::{Source, spin_arc};
 use super::turning::{OrientationPart, Turning};
 use crate::error::Error;
 use crate::rounding::one_zero;
+use crate::simd::prefetch;
 use glam::{DQuat, DVec3};
 
 /// The numbers of an [`Orientation::spin`], checked.
@@ -68,6 +69,14 @@ impl Orientation {
 }
 
 impl Turning {
+    /// Prefetches the parts and pieces that following a spin changes.
+    pub(crate) fn prefetch_parts(&self) {
+        /// The one that is left, and the one before it.
+        const USUAL: usize = 2;
+        prefetch(&self.parts[..self.parts.len().min(USUAL)]);
+        prefetch(&self.pieces[..self.pieces.len().min(USUAL)]);
+    }
+
     /// Returns true if each part is one piece: all of them are held, or spins.
     fn has_one_piece_a_part(&self) -> bool {
         let is_one = |part: &OrientationPart| match part.source {

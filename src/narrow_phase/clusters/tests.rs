@@ -2,7 +2,7 @@
 
 use super::super::certified::{MarginBand, Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::DistanceProfile;
+use super::super::stretches::{DistanceProfile, NEVER};
 use super::{ClusterPair, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
@@ -221,7 +221,13 @@ fn contacts_are_those_of_all_pairs() {
             expected.clear();
             case.each(|pair, span| {
                 let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(&profile, span, case.band().outer, clip, &mut expected);
+                pair.contacts(
+                    &profile,
+                    span,
+                    case.band().outer,
+                    (clip, NEVER),
+                    &mut expected,
+                );
             });
             join(&mut expected, 0);
             assert_eq!(found, expected, "{kind} {clip:?}");
@@ -268,7 +274,7 @@ fn the_envelope_serves_for_all_margins_and_windows() {
                         &DistanceProfile::of(&pair.cubic),
                         span,
                         margin,
-                        clip,
+                        (clip, NEVER),
                         &mut expected,
                     );
                 });
@@ -402,7 +408,13 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         case.each(|pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
             let mut found = Vec::new();
-            pair.contacts(&profile, span, case.band().outer, case.clip, &mut found);
+            pair.contacts(
+                &profile,
+                span,
+                case.band().outer,
+                (case.clip, NEVER),
+                &mut found,
+            );
             instants.extend(
                 found
                     .iter()
@@ -438,7 +450,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                     &DistanceProfile::of(&pair.cubic),
                     span,
                     case.band().outer,
-                    clip,
+                    (clip, NEVER),
                     &mut expected,
                 );
             });

@@ -5,14 +5,14 @@
 //! remains suffices for contacts within any margin, and for the closest approach, in any window.
 
 use crate::accuracy::Accuracy;
-use crate::enclosure::{part, squared_distance};
+use crate::enclosure::squared_distance;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
 use crate::narrow_phase::sphere_pair::{SpherePair, difference_of_squares, farthest};
 use crate::orientation::BakedRotation;
-use crate::rounding::{norm, normalising_power};
+use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
 use glam::DVec3;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
@@ -37,9 +37,9 @@ pub(super) struct PartScratch {
     /// Spheres of b that may be near some of a's, by number, with their control points in the unit of lengths.
     near_b: Vec<(u32, [DVec3; 4])>,
     candidates: Vec<SphereCandidate>,
-    /// The candidates over a piece of the part.
-    in_piece: Vec<SphereCandidate>,
-    /// True for each candidate that may be the nearest one in some piece.
+    /// The candidates over the two halves of the part.
+    halves: [Vec<SphereCandidate>; 2],
+    /// True for each candidate that may be the nearest one in some half.
     are_nearest: Vec<bool>,
     /// Lower bound of the separation of two spheres that may come near, in the unit of lengths, and their numbers.
     bounds: Vec<(f64, (u32, u32))>,
@@ -50,13 +50,13 @@ pub(super) struct PartScratch {
 struct SphereCandidate {
     /// Numbers of a's sphere and b's.
     spheres: (u32, u32),
-    /// Control points of the centres' relative position, in the unit of lengths.
-    points: [DVec3; 4],
-    /// Control heights of the squared distance, in the square of that unit.
+    /// Control heights of the squared distance, in the square of the unit of lengths.
     heights: [f64; 7],
     /// Least height, at least 0.
     lowest: f64,
-    /// Sum of the radii, in that unit.
+    /// Bound of the heights' rounding.
+    rounding: f64,
+    /// Sum of the radii, in the unit of lengths.
     radii: f64,
 }
 
@@ -70,35 +70,39 @@ impl PartScratch {
 }
 
 impl SphereCandidate {
-    /// Returns the two spheres over a piece of the part, given by the local parameters of its ends.
-    fn over(&self, (start, end): (f64, f64)) -> Self {
-        let points = part(&self.points, start, end);
-        Self {
-            points,
-            heights: squared_distance(&points),
-            ..*self
+    /// Returns the two spheres over both halves of the part.
+    fn halves(&self) -> [Self; 2] {
+        let [mut first, mut second] = [*self; 2];
+        let mut level = self.heights;
+        for degree in (0..7).rev() {
+            first.heights[6 - degree] = level[0];
+            second.heights[degree] = level[degree];
+            for place in 0..degree {
+                level[place] = 0.5 * (level[place] + level[place + 1]);
+            }
         }
+        [first, second]
     }
 
-    /// Returns the separation at the start, in the middle and at the end of the part, in the unit
-    /// of lengths.
-    fn separations(&self) -> [f64; 3] {
-        let [p0, p1, p2, p3] = self.points;
-        let middle = 0.125 * ((p0 + p3) + 3.0 * (p1 + p2));
-        [p0, middle, p3].map(|place| place.length() - self.radii)
+    /// Returns what tells how near the spheres are at the start, in the middle and at the end of the part: the
+    /// squared distance less the squared sum of the radii.
+    fn powers(&self) -> [f64; 3] {
+        let [h0, h1, h2, h3, h4, h5, h6] = self.heights;
+        let middle = (((h0 + h6) + 6.0 * (h1 + h5)) + (15.0 * (h2 + h4) + 20.0 * h3)) / 64.0;
+        [h0, middle, h6].map(|square| square - self.radii * self.radii)
     }
 
     /// Returns a bound of the distance, to rounding, in the unit of lengths.
     fn farthest(&self) -> f64 {
-        let squares = self.points.map(DVec3::length_squared);
-        squares.into_iter().fold(0.0, f64::max).sqrt()
+        self.heights.into_iter().fold(0.0, f64::max).sqrt()
     }
 
     /// Returns true if another pair, which stays within a distance, is nearer by more than `slack` over the
     /// whole part.
     fn is_behind(&self, (near, distance): &(Self, f64), slack: f64) -> bool {
         let excess = (self.radii - near.radii).max(0.0) + slack;
-        let least = difference_of_squares(*distance, excess);
+        let rounding = self.rounding + near.rounding;
+        let least = difference_of_squares(*distance, excess) + rounding;
         let mut heights = self.heights.iter().zip(&near.heights);
         heights.all(|(far, near)| far - near > least)
     }
@@ -113,12 +117,12 @@ fn keep_marked(candidates: &mut Vec<SphereCandidate>, are_marked: &[bool]) {
 /// Marks the candidates that may be the nearest ones at some time: no other one is nearer by more than
 /// `slack` all the time.
 fn mark_nearest(candidates: &[SphereCandidate], slack: f64, are_nearest: &mut [bool]) {
-    // Those that are nearest at three instants.
+    // Those that are nearest, or nearly so, at three instants.
     let mut nearest = [(f64::INFINITY, 0); 3];
     for (number, candidate) in candidates.iter().enumerate() {
-        for (nearest, separation) in nearest.iter_mut().zip(candidate.separations()) {
-            if separation < nearest.0 {
-                *nearest = (separation, number);
+        for (nearest, power) in nearest.iter_mut().zip(candidate.powers()) {
+            if power < nearest.0 {
+                *nearest = (power, number);
             }
         }
     }
@@ -132,8 +136,6 @@ fn mark_nearest(candidates: &[SphereCandidate], slack: f64, are_nearest: &mut [b
 impl<'a> SpheresOverPart<'a> {
     /// Largest number of candidates of which all are solved.
     const FEW: usize = 2;
-    /// Pieces in which candidates are compared.
-    const PIECES: [(f64, f64); 2] = [(0.0, 0.5), (0.5, 1.0)];
 
     pub(super) fn new(
         views: [&'a BodyView<'a>; 2],
@@ -189,7 +191,7 @@ impl<'a> SpheresOverPart<'a> {
             return;
         }
         let PartScratch {
-            in_piece,
+            halves,
             are_nearest,
             ..
         } = scratch;
@@ -204,13 +206,17 @@ impl<'a> SpheresOverPart<'a> {
         if candidates.len() <= Self::FEW {
             return;
         }
-        // Few are behind one other all the time: the rest are compared piece by piece.
+        // Few are behind one other all the time: the rest are compared in each half.
         are_nearest.clear();
         are_nearest.resize(candidates.len(), false);
-        for piece in Self::PIECES {
-            in_piece.clear();
-            in_piece.extend(candidates.iter().map(|candidate| candidate.over(piece)));
-            mark_nearest(in_piece, slack, are_nearest);
+        halves.iter_mut().for_each(Vec::clear);
+        for candidate in &*candidates {
+            for (half, in_half) in halves.iter_mut().zip(candidate.halves()) {
+                half.push(in_half);
+            }
+        }
+        for half in halves {
+            mark_nearest(half, slack, are_nearest);
         }
         keep_marked(candidates, are_nearest);
     }
@@ -319,9 +325,9 @@ impl<'a> SpheresOverPart<'a> {
                 if lowest <= threshold * threshold {
                     visit(SphereCandidate {
                         spheres: (number_a, number_b),
-                        points,
                         heights,
                         lowest: lowest.max(0.0),
+                        rounding: rounding_of_heights(&points),
                         radii: (sphere.radius + radius_b) * power,
                     });
                 }
@@ -403,6 +409,13 @@ impl<'a> SpheresOverPart<'a> {
     }
 }
 
+/// Returns a bound of the rounding of heights, of a part or of half of it.
+fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
+    // Of the largest square: 10 of the heights of the part, 6 of their means.
+    let squares = points.map(DVec3::length_squared);
+    32.0 * UNIT_ROUNDOFF * squares.into_iter().fold(0.0, f64::max)
+}
+
 /// Returns the least of some numbers.
 #[inline(always)]
 fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
@@ -411,4 +424,35 @@ fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
         least = if number < least { number } else { least };
     }
     least
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Centres that meet at half time, and two spheres that stay at a tiny distance: at that instant they are
+    /// farther, whatever the rounding of heights.
+    #[test]
+    fn spheres_that_meet_between_two_halves_are_not_behind() {
+        let candidate = |points: [DVec3; 4]| SphereCandidate {
+            spheres: (0, 0),
+            heights: squared_distance(&points),
+            lowest: 0.0,
+            rounding: rounding_of_heights(&points),
+            radii: 0.5,
+        };
+        let near = candidate([DVec3::new(0.0, 1e-10, 0.0); 4]);
+        let slack = rejection_threshold(0.0, 1.0);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for round in 0..1_000 {
+            let way = DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let meeting = candidate([-way, way / -3.0, way / 3.0, way]);
+            for half in meeting.halves() {
+                let is_behind = half.is_behind(&(near, near.farthest()), slack);
+                assert!(!is_behind, "{round} {way}");
+            }
+        }
+    }
 }
