@@ -458,7 +458,8 @@ fn a_line_from_within_a_segment_knows_how_well_it_is_known() {
         let found = found.unwrap().unwrap();
         let off = (found.approach.separation - (1000.0 + place)).abs();
         assert!(off <= found.error + 1e-12, "{speed}: {off} {}", found.error);
-        assert!(found.error < 1e-4, "{}", found.error);
+        // Some hundred roundings of the plan's size, a third of 1e9 times.
+        assert!(found.error < 1e-3, "{}", found.error);
     }
 }
 
