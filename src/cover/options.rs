@@ -62,8 +62,9 @@ impl CoverOptions {
         self
     }
 
-    /// Returns the options with this many times the default number of starts; 0 counts as 1. The
-    /// default number depends on the number of spheres and on the shape, never on the clock.
+    /// Returns the options with this many times the default number of starts; 0 counts as 1, and more
+    /// than [`MOST_EFFORT`](Self::MOST_EFFORT) are refused. The default number depends on the number of
+    /// spheres and on the shape, never on the clock.
     #[must_use]
     pub const fn with_effort(mut self, effort: u32) -> Self {
         self.effort = effort;
