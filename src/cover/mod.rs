@@ -30,7 +30,9 @@
 //!    no void goes unnoticed: its corners are points of a cut surface. A surface that is not closed
 //!    is cut polygon by polygon, and covered as a surface. Polygons that close a cut may have gaps
 //!    and holes. A later cut of them joins crossings as they follow each other along its line, those
-//!    of pieces and holes in one plane together: the points stay within what the surface bounds.
+//!    of pieces and holes in one plane together: the points stay within what the surface bounds. If
+//!    the later plane is that of the polygon to rounding, a point may be in a gap: so a verdict
+//!    tests the point that it names.
 //! 3. **Rounding.** A cut decides once for each point on which side it lies, and makes one point
 //!    for each edge that crosses the plane. So the surface stays closed, whatever is rounded.
 //!    Rounding moves polygons by some units in the last place in each cut, less than 1e-12 in all

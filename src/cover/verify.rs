@@ -24,7 +24,8 @@ pub enum Coverage {
         point: DVec3,
     },
     /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
-    /// a shape that is a point), they would contain it.
+    /// a shape that is a point), they would contain it. Meshes with gaps are an
+    /// exception where planes between spheres agree to rounding.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -153,7 +154,7 @@ impl Balls {
             }
             let of_part = match part {
                 SolidPart::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
-                _ => self.of_polyhedron(solid, &part.surface(4)),
+                _ => self.of_polyhedron(solid, part),
             };
             match of_part {
                 Coverage::Covered => {}
@@ -170,11 +171,21 @@ impl Balls {
         balls.all(|&(centre, radius)| point.distance(centre) > radius + CERTAIN + self.rounding)
     }
 
-    fn of_polyhedron(&self, solid: &Solid, surface: &Surface) -> Coverage {
+    fn of_polyhedron(&self, solid: &Solid, part: &SolidPart) -> Coverage {
+        // Where a polygon lies in the plane of a cut, to rounding, the cut may pass a gap of a mesh.
+        let is_in_part = |point: DVec3| match part {
+            SolidPart::Convex(_) => true,
+            SolidPart::Mesh(mesh) => {
+                let is_near = mesh.nearest(point).distance(point) <= 1e-10 * solid.diameter;
+                is_near || mesh.winding(point).abs() >= 0.5
+            }
+        };
         let spare = solid.rounding + solid.unevenness + self.rounding;
-        match farthest_out(surface, &self.balls, spare) {
+        match farthest_out(&part.surface(4), &self.balls, spare) {
             None => Coverage::Covered,
-            Some(point) if self.are_left_out(point) => Coverage::Uncovered { point },
+            Some(point) if self.are_left_out(point) && is_in_part(point) => {
+                Coverage::Uncovered { point }
+            }
             Some(point) => Coverage::Undecided { point },
         }
     }
