@@ -254,8 +254,8 @@ fn points_that_rounding_lifts_to_the_plane_touch_it() {
         let query = Query::new(Window::new(0.0, 1.0).unwrap()).with_margin(0.5 * height);
         let bodies = [point, floor(normal)];
         for accuracy in [nearmiss::Accuracy::Exact, nearmiss::Accuracy::Certified] {
-            let query = query.clone().with_accuracy(accuracy);
-            let found = nearmiss::pair::conflicts(&bodies[0], &bodies[1], &query).unwrap();
+            let query = query.with_accuracy(accuracy);
+            let found = pair::conflicts(&bodies[0], &bodies[1], &query).unwrap();
             touching += usize::from(!found.is_empty());
         }
     }
