@@ -9,8 +9,9 @@
 //!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
 //!    of an end motion between two *cuts*. End motions and legs of constant velocity are in *power form*,
 //!    other cubics in Bézier form. A *straight motion* is a trajectory from one state. It is *replaced* by
-//!    another one in place where states are told each frame. A *plan* is any trajectory, or one that is no
-//!    straight motion where both are named. A body that *turns* has a rotation.
+//!    another one in place where states are told each frame. What that is checked against is its
+//!    `LastMotion`. A *plan* is any trajectory, or one that is no straight motion where both are named. A body
+//!    that *turns* has a rotation.
 //! 2. `orientation`: the *parts* of an orientation, as given, become *pieces*, each an arc or a cubic. These
 //!    become cubics of matrices between cuts of their own; the rotation is *baked*. A `TurningCell` lies
 //!    between neighbouring cuts of one body, a *cell* between those of both. The *way* of a point is its path

@@ -132,8 +132,8 @@ fn encounters_that_cannot_be_are_refused() {
         "model_error",
     ];
     let sent = ["enter", "exit", "closest_time", "separation", "model_error"];
-    let over = "/waiting/0/kind/Ended/0/";
-    let mut places = vec!["/waiting/0/time".to_owned()];
+    let over = "/pending_events/0/kind/Ended/0/";
+    let mut places = vec!["/pending_events/0/time".to_owned()];
     for number in ["enter", "exit"] {
         places.push(format!("/encounters/0/1/now/{number}"));
         places.push(format!("{over}{number}"));
@@ -152,7 +152,7 @@ fn encounters_that_cannot_be_are_refused() {
         ("/encounters/0/0/begun", false.into()),
         ("/encounters/0/1/begun", true.into()),
         ("/encounters/0/1/passed", begun["passed"].clone()),
-        ("/waiting/0/kind/Ended/0/level", 1.into()),
+        ("/pending_events/0/kind/Ended/0/level", 1.into()),
     ] {
         let mut broken = written.clone();
         *broken.pointer_mut(place).unwrap() = value;
