@@ -210,9 +210,12 @@ impl<'a> PlanePair<'a> {
         let points = [0, 1, 2, 3].map(|k| heights.points[k] + sphere.way[k]);
         let error = heights.error + sphere.rounding;
         let unknown = error + sphere.path_error;
-        // Below the plane no distance from it is a height. Rounding may hide that.
-        let shift = if lowest(&points) > unknown {
+        let lowest = lowest(&points);
+        // Below the plane no distance from it is a height. Rounding may hide that; then little is added.
+        let shift = if lowest > unknown {
             0.0
+        } else if lowest >= -unknown {
+            4.0 / normalising_power(unknown)
         } else {
             // A power of two above twice the largest: what is added stays far from zero.
             4.0 / normalising_power(largest(&points).max(unknown))
