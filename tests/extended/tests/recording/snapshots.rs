@@ -99,8 +99,8 @@ fn with_nan(written: &Value, place: &str) -> Snapshot {
     postcard::from_bytes(&file).unwrap()
 }
 
-/// What no monitor can have is refused, each by itself: one encounter has begun, one lies ahead, one waits to be
-/// reported as over.
+/// A snapshot with one number that no monitor can have is refused: one encounter has begun, one lies ahead, one waits
+/// to be reported as over.
 #[test]
 fn encounters_that_cannot_be_are_refused() {
     let mut scene = Scene::new();
