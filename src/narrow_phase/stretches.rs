@@ -211,8 +211,8 @@ impl DistanceProfile {
     /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
     /// Distances within rounding of the radius count.
     ///
-    /// Of what lies in `known` (s), a stretch that is nowhere as near as `nearest` (m) may lack an end, and all from
-    /// there to the next node inside.
+    /// A stretch that is nowhere as near as `nearest` (m) may end too early or begin too late within `known` (s): what
+    /// lies between its end and the next node inside may be left out there.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,

@@ -269,7 +269,7 @@ fn a_turning_body_that_comes_later_is_met_in_time() {
     }
 }
 
-/// Of a batch the outcome counts, not what is between: a body that turned is a half-space that does not, and
+/// The outcome of a batch counts, not what lies between: a body that turned becomes a half-space that does not, and
 /// later again a cluster that turns.
 #[test]
 fn a_turning_body_becomes_a_half_space_in_a_batch() {
