@@ -95,7 +95,9 @@ impl<'m> BodyTable<'m> {
         normal: DVec3,
     ) -> Option<HeightRange> {
         let (monitored, body) = self.monitored.known(self.scene, slot)?;
-        let is_extended = monitored.knots(&body.trajectory).are_extended();
+        // Beyond the instant up to which it is followed, a plan may go anywhere.
+        let is_extended =
+            interval.1 > monitored.until() || monitored.knots(&body.trajectory).are_extended();
         let (_, entry) = self.scene.in_slot(slot)?;
         HeightRange::of(entry, is_extended, interval, normal)
     }

@@ -3,8 +3,8 @@
 use super::vector;
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Conflict, Hitbox, Layers, Monitor, Orientation, Query, Scene, Sphere,
-    State, TimeBase, Trajectory, Window, pair,
+    AlertLevel, Body, BodyId, Conflict, Hitbox, Layers, Monitor, Orientation, Outside, Query,
+    Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -47,6 +47,41 @@ fn compare(monitor: &Monitor) -> usize {
         monitor.complete_until()
     );
     found.len()
+}
+
+/// A body above a floor, or a floor below a body, whose plan turns towards the other one at its end, long before the
+/// lookahead ends, and goes on beyond it.
+#[test]
+fn what_follows_a_plan_is_met_in_time() {
+    const LAST: f64 = 17.0;
+    let state = |time: f64, z: f64, speed: f64| State::new(time, z * DVec3::Z, speed * DVec3::Z);
+    let mut met = 0;
+    for outside in [Outside::Coast, Outside::Extrapolate] {
+        for last in [state(LAST, 48.1, -36.7), state(LAST, 48.0, -40.0)] {
+            for is_floor in [false, true] {
+                let states = [state(-5.0, 50.0, 0.0), state(LAST - 0.1, 50.0, 0.0), last];
+                let plan = Trajectory::from_states(&states).unwrap();
+                let turned = Body::new(plan.with_outside(outside));
+                let bodies = if is_floor {
+                    // The other side of the floor is solid.
+                    let hitbox = Hitbox::half_space(-DVec3::Z).unwrap();
+                    vec![turned.with_hitbox(hitbox), ball(state(0.0, 0.0, 0.0))]
+                } else {
+                    vec![
+                        turned.with_hitbox(Hitbox::sphere(1.0).unwrap()),
+                        floor(DVec3::Z),
+                    ]
+                };
+                let (mut monitor, _) = watch(bodies, 0.0, 10.0);
+                for tick in 0..100 {
+                    let now = 0.25 * f64::from(tick);
+                    monitor.advance(now, &mut Vec::new()).unwrap();
+                    met += compare(&monitor);
+                }
+            }
+        }
+    }
+    assert!(met > 300, "{met}");
 }
 
 /// A half-space that is told at rest, and has changed in one way since: each has another body touch
