@@ -144,6 +144,12 @@ impl<'a> Knots<'a> {
         }
     }
 
+    /// Returns the motion, if not all of its cubics are in the list of a plan.
+    #[inline(always)]
+    pub(crate) const fn plan(&self) -> Option<&'a Trajectory> {
+        self.plan
+    }
+
     /// Returns the straight motions between the [own](Self::own) knots; none of a plan.
     #[inline(always)]
     pub(crate) fn straight_motions(&self) -> &'a [StraightMotion] {

@@ -97,6 +97,8 @@ pub(crate) trait Task {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2")]
+// A task within a task has all registers for itself.
+#[inline(never)]
 fn run_avx2<T: Task>(task: T) -> T::Output {
     task.run()
 }

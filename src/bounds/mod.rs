@@ -38,6 +38,7 @@ pub(crate) use fat_line::FatLine;
 pub(crate) use frame::{DAabb, Frame, MovingFrame, Padding};
 pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
+pub(crate) use straight_pieces::StraightPieces;
 pub(crate) use sub_cubic::SubCubic;
 
 /// Coordinates beyond this, in the frame's unit, are not served; below the largest f32.

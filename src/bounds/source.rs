@@ -62,21 +62,9 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns the straight motions and the knots between them, if nothing else is followed between two instants
     /// (s).
     #[inline(always)]
-    pub(crate) fn straight_over(&self, (from, to): (f64, f64)) -> Option<StraightPieces<'a>> {
-        if !self.knots.are_extended() {
-            return None;
-        }
-        let (motions, knots) = (self.knots.straight_motions(), self.knots.own());
-        let [first, .., last] = *knots else {
-            return None;
-        };
-        let pieces = StraightPieces {
-            motions,
-            knots,
-            before: self.knots.before(),
-            anchor: self.placement.anchor,
-        };
-        (!motions.is_empty() && first <= from && to <= last).then_some(pieces)
+    pub(crate) fn straight_over(&self, interval: (f64, f64)) -> Option<StraightPieces<'a>> {
+        let plan = (self.knots.plan()?, self.knots.before());
+        StraightPieces::placed(plan, interval, || self.placement)
     }
 
     /// Prefetches a cubic, given its number among those of the plan.

@@ -24,22 +24,25 @@ impl StraightPart {
         // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
         // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
-        let lanes = |DVec3 { x, y, z }: DVec3| [x, y, z, 0.0];
-        let (origin, velocity) = (lanes(motion.origin()), lanes(motion.velocity()));
-        let (middle, power) = (lanes(frame.origin), frame.power);
+        let [origin, velocity] = motion.lanes();
+        let DVec3 { x, y, z } = frame.origin;
+        let middle = [x, y, z, 0.0];
+        // The fourth number of each has no meaning, and comes to nothing by this.
+        let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
         // Loops over four lanes, the last of which is zero: the compiler takes one instruction for all.
         let (mut start, mut end, mut spread) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
             let (first, last) = (velocity[lane] * since[0], velocity[lane] * since[1]);
-            let (far, farther) = (first.abs(), last.abs());
-            let displacement = if farther > far { farther } else { far };
-            spread[lane] = (last - first).abs() + displacement * ERROR;
+            let way = (last - first).abs();
+            // The larger displacement is half of this, which takes no comparison.
+            let twice = (last + first).abs() + way;
+            spread[lane] = (way + twice * (0.5 * ERROR)) * power[lane];
             let offset = origin[lane] - middle[lane];
-            start[lane] = (offset + first) * power;
-            end[lane] = (offset + last) * power;
+            start[lane] = (offset + first) * power[lane];
+            end[lane] = (offset + last) * power[lane];
         }
-        let spread = (spread[0] + spread[1] + spread[2]) * power;
+        let spread = (spread[0] + spread[2]) + (spread[1] + spread[3]);
         let mut is_served = true;
         for lane in start {
             is_served &= lane.abs() + spread < FAR;

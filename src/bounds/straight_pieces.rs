@@ -1,31 +1,65 @@
 //! Straight motions, one after another, and their bounds in a slice.
 
 use super::builder::BoundsBuilder;
-use super::frame::Frame;
+use super::fat_line::FatLine;
+use super::frame::{Frame, Padding};
+use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
-use crate::trajectory::StraightMotion;
+use crate::trajectory::{StraightMotion, Trajectory};
+use parry3d::bounding_volume::Aabb;
 
 /// Straight motions, one after another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StraightPieces<'a> {
-    pub(super) motions: &'a [StraightMotion],
+    motions: &'a [StraightMotion],
     /// One more than motions.
-    pub(super) knots: &'a [f64],
+    knots: &'a [f64],
     /// Number of the first motion among the body's cubics.
-    pub(super) before: usize,
-    /// The frame to which coordinates are relative.
-    pub(super) anchor: Frame,
+    before: usize,
+    placement: FramePlacement,
 }
 
-impl StraightPieces<'_> {
-    /// Returns the bounds of the motion in a slice, and the number of its first cubic there. All of the slice lies
-    /// between the first and the last knot.
+impl<'a> StraightPieces<'a> {
+    /// Returns the pieces of a motion, with so many cubics before them, if it follows nothing else between two
+    /// instants (s).
+    #[inline(always)]
+    pub(crate) fn over(
+        plan: &'a Trajectory,
+        before: usize,
+        interval: (f64, f64),
+        (padding, frame): (&Padding, &Frame),
+    ) -> Option<Self> {
+        // Not anchored at a state, which may be far away if it is old.
+        let placement = || FramePlacement::of_frame(padding, frame);
+        Self::placed((plan, before), interval, placement)
+    }
+
+    /// Returns them in another placement.
+    #[inline(always)]
+    pub(super) fn placed(
+        (plan, before): (&'a Trajectory, usize),
+        (from, to): (f64, f64),
+        placement: impl FnOnce() -> FramePlacement,
+    ) -> Option<Self> {
+        let (motions, knots) = (plan.straight_motions(), plan.cuts());
+        let [first, .., last] = *knots else {
+            return None;
+        };
+        (!motions.is_empty() && first <= from && to <= last).then(|| Self {
+            motions,
+            knots,
+            before,
+            placement: placement(),
+        })
+    }
+
+    /// Returns the bounds of the body in a slice. All of the slice lies between the first and the last knot.
     #[inline(always)]
     pub(crate) fn bounds<const MOVES: bool>(
         &self,
         slice_interval: &SliceInterval<MOVES>,
-    ) -> (BoundsBuilder<MOVES>, usize) {
+    ) -> (FatLine, Aabb) {
         let count = self.motions.len();
         let ends = &self.knots[1..count];
         // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
@@ -37,33 +71,35 @@ impl StraightPieces<'_> {
             .iter()
             .take_while(|&&end| end <= slice_interval.to);
         let last = first + later.count();
-        let head = self.part(first, slice_interval);
-        if first == last {
-            return (
-                BoundsBuilder::along(&head, &head, slice_interval),
-                self.before + first,
-            );
-        }
-        let tail = self.part(last, slice_interval);
-        let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
-        for number in first + 1..last {
-            builder.go_straight(&self.part(number, slice_interval));
-        }
-        builder.go_straight(&tail);
-        (builder, self.before + first)
+        let (from, to) = (slice_interval.from, slice_interval.to);
+        let builder = if first == last {
+            let whole = self.part(first, (from, to));
+            BoundsBuilder::along(&whole, &whole, slice_interval)
+        } else {
+            let head = self.part(first, (from, self.knots[first + 1]));
+            let tail = self.part(last, (self.knots[last], to));
+            let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
+            for number in first + 1..last {
+                let ends = (self.knots[number], self.knots[number + 1]);
+                builder.go_straight(&self.part(number, ends));
+            }
+            builder.go_straight(&tail);
+            builder
+        };
+        builder.finish(&self.placement, short(self.before + first))
     }
 
-    /// Returns the part of a motion within a slice.
+    /// Returns the part of a motion between two instants (s).
     #[inline(always)]
-    fn part<const MOVES: bool>(
-        &self,
-        number: usize,
-        slice_interval: &SliceInterval<MOVES>,
-    ) -> StraightPart {
-        let from = self.knots[number].max(slice_interval.from);
-        let to = self.knots[number + 1].min(slice_interval.to);
-        StraightPart::new(&self.motions[number], (from, to), &self.anchor)
+    fn part(&self, number: usize, ends: (f64, f64)) -> StraightPart {
+        StraightPart::new(&self.motions[number], ends, &self.placement.anchor)
     }
+}
+
+/// Converts a number of pieces to 32 bits: a longer list does not fit into memory.
+#[allow(clippy::cast_possible_truncation, reason = "see above")]
+const fn short(pieces: usize) -> u32 {
+    pieces as u32
 }
 
 #[cfg(test)]

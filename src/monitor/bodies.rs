@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
-use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding};
+use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
@@ -47,6 +47,16 @@ impl BoxedBodies for BodyTable<'_> {
 
 impl SourcesInPlace for BodyTable<'_> {
     type Cubic = Segment;
+
+    #[inline(always)]
+    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>> {
+        let (monitored, body) = self.monitored.known(self.scene, body)?;
+        if !monitored.has_partner {
+            return None;
+        }
+        let bounds = (&monitored.padding, &**self.frame);
+        StraightPieces::over(&body.trajectory, monitored.before(), interval, bounds)
+    }
 
     #[inline(always)]
     fn source(&self, body: u32) -> CubicSource<'_, Segment> {
@@ -124,7 +134,9 @@ impl<'m> BodyTable<'m> {
         ends: &[f64],
         mut visit: impl FnMut(usize, BodyBox, &FatLine),
     ) {
-        InstructionSet::best().run(FormInPlace {
+        let instructions = InstructionSet::best();
+        instructions.run(FormInPlace {
+            instructions,
             frame: self.frame,
             bodies: self,
             present: slots,

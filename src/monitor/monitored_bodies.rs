@@ -129,6 +129,11 @@ impl MonitoredBody {
         self.cubics + before + after
     }
 
+    /// Returns the number of pieces before the knots.
+    pub(super) const fn before(&self) -> usize {
+        self.beyond.0 as usize
+    }
+
     /// Returns the pieces beyond the knots.
     #[inline]
     fn extension(&self) -> Option<Extension> {

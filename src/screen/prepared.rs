@@ -3,7 +3,8 @@
 use super::survey::SceneSurvey;
 use crate::accuracy::Accuracy;
 use crate::bounds::{
-    BodyCubic, CompactCubic, CubicSource, Frame, HullTest, MovingFrame, Padding, hull_test,
+    BodyCubic, CompactCubic, CubicSource, Frame, HullTest, MovingFrame, Padding, StraightPieces,
+    hull_test,
 };
 use crate::broad_phase::{InstructionSet, PairFilter};
 use crate::error::{Error, MAX_MAGNITUDE};
@@ -207,6 +208,15 @@ impl BoxedBodies for BodiesInPlace<'_> {
 
 impl SourcesInPlace for BodiesInPlace<'_> {
     type Cubic = CompactCubic;
+
+    #[inline(always)]
+    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>> {
+        let (place, frame): (usize, &Frame) = (body as usize, &self.0.frame);
+        let (body, extension) = (&self.0.entries[place].body, self.0.extension(place));
+        let before = extension.map_or(0, |extension| extension.before as usize);
+        let padding = Padding::of(body.shape(), self.0.margin, frame);
+        StraightPieces::over(&body.trajectory, before, interval, (&padding, frame))
+    }
 
     #[inline(always)]
     fn source(&self, body: u32) -> CubicSource<'_, CompactCubic> {

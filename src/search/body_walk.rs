@@ -27,24 +27,22 @@ pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
     source: &'a CubicSource<'a, C>,
     slice_intervals: &'a [SliceInterval<MOVES>],
     (ahead, first): (Ahead<'a, C>, impl FnOnce() -> usize),
-    mut put: impl FnMut(usize, (FatLine, Aabb)),
+    put: &mut impl FnMut(usize, (FatLine, Aabb)),
 ) -> Option<usize> {
     if !exists(source, slice_intervals) {
         return None;
     }
     if let Some(pieces) = source.straight_over(ends_of(slice_intervals)) {
         for (slice, slice_interval) in slice_intervals.iter().enumerate() {
-            let (bounds, first) = pieces.bounds(slice_interval);
-            put(slice, bounds.finish(&source.placement, short(first)));
+            put(slice, pieces.bounds(slice_interval));
         }
         return None;
     }
     let first = first();
     Some(if source.knots.are_extended() {
-        BodyWalk::<_, _, true>::new(source, slice_intervals, ahead, first)
-            .through_extended(&mut put)
+        BodyWalk::<_, _, true>::new(source, slice_intervals, ahead, first).through_extended(put)
     } else {
-        BodyWalk::<_, _, false>::new(source, slice_intervals, ahead, first).through(&mut put)
+        BodyWalk::<_, _, false>::new(source, slice_intervals, ahead, first).through(put)
     })
 }
 

@@ -107,8 +107,8 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             let source = &self.sources[body];
             let SliceBlock { slices, pieces } = &mut *self.block;
             let first = || pieces[body] as usize;
-            let put = |slice: usize, bounds| slices[slice].push(place, bounds);
-            if let Some(last) = walk(source, slice_intervals, (ahead, first), put) {
+            let mut put = |slice: usize, bounds| slices[slice].push(place, bounds);
+            if let Some(last) = walk(source, slice_intervals, (ahead, first), &mut put) {
                 pieces[body] = short(last);
             }
         }

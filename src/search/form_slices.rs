@@ -1,8 +1,10 @@
 //! Boxes and fat lines of bodies in lists, or of each body from where it lies.
 
-use super::body_walk::{cubic_before, short, slice_intervals_of, walk};
+use super::body_walk::{cubic_before, ends_of, short, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
-use crate::bounds::{BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval};
+use crate::bounds::{
+    BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
+};
 use crate::broad_phase::BodyBox;
 use crate::parallel;
 use crate::simd::{InstructionSet, Task};
@@ -12,6 +14,9 @@ use parry3d::math::Vector;
 /// Bodies whose boxes are formed from where they lie.
 pub(crate) trait SourcesInPlace: Sync {
     type Cubic: BoundingCubic;
+
+    /// Returns the straight motions of a body, if it follows nothing else between two instants (s).
+    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>>;
 
     /// Returns the source of a body's boxes.
     fn source(&self, body: u32) -> CubicSource<'_, Self::Cubic>;
@@ -61,7 +66,9 @@ impl SlicesToForm<'_> {
         }
         self.block.clear(count, self.present.len());
         let slices = &mut self.block.slices[..count];
-        self.instructions.run(FormInPlace {
+        let instructions = self.instructions;
+        instructions.run(FormInPlace {
+            instructions,
             frame: self.frame,
             bodies,
             present: self.present.iter().copied(),
@@ -94,6 +101,7 @@ impl SlicesToForm<'_> {
             |share, (boxes, lines), formed| {
                 let first = share * Self::SHARE;
                 instructions.run(FormInPlace {
+                    instructions,
                     frame,
                     bodies,
                     present: present[first..first + boxes.len()].iter().copied(),
@@ -115,6 +123,7 @@ impl SlicesToForm<'_> {
 
 /// Forms the bounds of bodies from where they lie, in at most [`MAX_SLICES`](super::MAX_SLICES) slices.
 pub(crate) struct FormInPlace<'a, B, I, P> {
+    pub(crate) instructions: InstructionSet,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) bodies: &'a B,
     pub(crate) present: I,
@@ -173,10 +182,43 @@ where
             if let Some(later) = motions.next() {
                 self.bodies.fetch_motion(later);
             }
-            let source = self.bodies.source(body);
-            let first = || cubic_before(&source.knots, slice_intervals[0].from, 0);
-            let put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
-            walk(&source, slice_intervals, (None, first), put);
+            let mut put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
+            if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
+                for (slice, slice_interval) in slice_intervals.iter().enumerate() {
+                    put(slice, pieces.bounds(slice_interval));
+                }
+            } else {
+                // On its own: beside it, the short way would have few registers.
+                self.instructions.run(WalkInPlace {
+                    bodies: self.bodies,
+                    body,
+                    slice_intervals,
+                    put,
+                });
+            }
         }
+    }
+}
+
+/// Forms the bounds of one body.
+struct WalkInPlace<'a, B, P, const MOVES: bool> {
+    bodies: &'a B,
+    body: u32,
+    slice_intervals: &'a [SliceInterval<MOVES>],
+    put: P,
+}
+
+impl<B, P, const MOVES: bool> Task for WalkInPlace<'_, B, P, MOVES>
+where
+    B: SourcesInPlace,
+    P: FnMut(usize, (FatLine, Aabb)),
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let source = self.bodies.source(self.body);
+        let first = || cubic_before(&source.knots, self.slice_intervals[0].from, 0);
+        walk(&source, self.slice_intervals, (None, first), &mut self.put);
     }
 }

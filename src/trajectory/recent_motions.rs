@@ -110,13 +110,16 @@ impl RecentMotions {
     #[inline]
     pub(super) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         let dropped = self.past(since);
-        let room = Room {
-            dropped,
-            kept: self.pieces() - dropped,
-            end: cut_after(one_zero(from), motion, 1),
-        };
-        debug_assert!(room.kept < Self::ROOM && from <= self.cuts[self.pieces()]);
-        self.fill(&room, from, motion);
+        let kept = self.pieces() - dropped;
+        debug_assert!(kept < Self::ROOM && from <= self.cuts[self.pieces()]);
+        if dropped > 0 {
+            for place in 0..kept {
+                self.motions[place] = self.motions[dropped + place];
+                self.cuts[place] = self.cuts[dropped + place];
+            }
+        }
+        let end = cut_after(one_zero(from), motion, 1);
+        self.append(&Room { dropped, kept, end }, from, motion);
     }
 
     /// Returns the number of pieces, not all of them, that end before an instant (s).
@@ -140,6 +143,12 @@ impl RecentMotions {
                 self.cuts[place] = self.cuts[number];
             }
         }
+        self.append(room, from, motion);
+    }
+
+    /// Lets the motion follow the pieces that were kept from an instant (s) on.
+    #[inline]
+    fn append(&mut self, room: &Room, from: f64, motion: &StraightMotion) {
         self.motions[room.kept] = *motion;
         self.cuts[room.kept] = one_zero(from);
         self.cuts[room.kept + 1] = room.end;
@@ -193,7 +202,7 @@ impl RecentMotions {
                 self.cuts[1]
             },
             knot: self.last_knot(),
-            sum: last.sum(),
+            start: last.start(),
         }
     }
 
@@ -219,15 +228,15 @@ pub(crate) struct LastMotion {
     full_until: f64,
     /// The last knot, s; not a number if the body has no such motions.
     knot: f64,
-    /// The [sum](StraightMotion::sum) of the last motion.
-    sum: f64,
+    /// The time of the state that the last motion goes through, s.
+    start: f64,
 }
 
 impl LastMotion {
     pub(crate) const NONE: Self = Self {
         full_until: 0.0,
         knot: f64::NAN,
-        sum: 0.0,
+        start: 0.0,
     };
 
     /// Returns true if a motion certainly [replaces](super::Trajectory::replace_as_usual) the last one at `from` (s),
@@ -243,7 +252,7 @@ impl LastMotion {
         window: Window,
     ) -> bool {
         let end = from + motion.duration();
-        let is_other = (self.sum - motion.sum()).abs() > 0.0;
+        let is_other = (motion.start() - self.start).abs() > 0.0 && motion.moves();
         is_other
             && ends.0 < window.start()
             && self.full_until < since

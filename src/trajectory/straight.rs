@@ -7,32 +7,31 @@ use crate::rounding::one_zero;
 use glam::DVec3;
 
 /// Straight motion through a state, in both directions of time. Its cubic is formed from this when it is needed.
+///
+/// Four numbers are read at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StraightMotion {
-    state: State,
-    /// End of its cubic, s; the duration from the state's time on is the unit of the cubic's parameter.
-    end: f64,
+    /// The position, m, and the time of the state, s.
+    origin: [f64; 4],
+    /// The velocity, m/s, and the end of its cubic, s: the duration from the state's time on is the unit of the cubic's
+    /// parameter.
+    velocity: [f64; 4],
 }
 
 impl StraightMotion {
-    pub(super) const NONE: Self = Self {
-        state: State {
-            time: 0.0,
-            position: DVec3::ZERO,
-            velocity: DVec3::ZERO,
-        },
-        end: 1.0,
-    };
+    pub(super) const NONE: Self = Self::until(DVec3::ZERO, DVec3::ZERO, [0.0, 1.0]);
+
+    /// Returns the motion from a position (m) with a velocity (m/s), between two instants (s).
+    const fn until(position: DVec3, velocity: DVec3, [start, end]: [f64; 2]) -> Self {
+        Self {
+            origin: [position.x, position.y, position.z, start],
+            velocity: [velocity.x, velocity.y, velocity.z, end],
+        }
+    }
 
     /// Returns the motion through a state whose cubic was made by [`Segment::line`] without an error of its own.
     pub(super) const fn new(state: &State, line: &Segment) -> Self {
-        Self {
-            state: State {
-                time: line.start(),
-                ..*state
-            },
-            end: line.end(),
-        }
+        Self::until(state.position, state.velocity, [line.start(), line.end()])
     }
 
     /// Returns the motion through a state that was checked, whose cubic lasts for `duration` (s), or about so.
@@ -60,13 +59,8 @@ impl StraightMotion {
     /// that.
     #[inline(always)]
     pub(crate) fn through_ordinary(state: &State) -> Self {
-        Self {
-            state: State {
-                time: one_zero(state.time),
-                ..*state
-            },
-            end: one_zero(state.time + Self::DURATION),
-        }
+        let ends = [state.time, state.time + Self::DURATION].map(one_zero);
+        Self::until(state.position, state.velocity, ends)
     }
 
     /// Duration of the cubic of a straight motion, s. It spans many lookaheads, so that one or two pieces suffice. A
@@ -79,8 +73,8 @@ impl StraightMotion {
     pub(super) fn is_near(&self, from: f64, to: f64) -> bool {
         const LONG: f64 = 1e12;
         const FAST: f64 = 1e200;
-        let is_slow = self.state.velocity.abs().cmple(DVec3::splat(FAST)).all();
-        let (start, long) = (self.state.time, LONG * self.duration().min(1.0));
+        let is_slow = self.velocity().abs().cmple(DVec3::splat(FAST)).all();
+        let (start, long) = (self.start(), LONG * self.duration().min(1.0));
         is_slow && (from - start).abs() <= long && (to - start).abs() <= long && start.abs() <= FAST
     }
 
@@ -110,59 +104,64 @@ impl StraightMotion {
     /// Returns true if another motion is this very one, or rests in the same place.
     #[inline]
     pub(super) fn is_same_as(&self, other: &Self) -> bool {
-        let (own, other_state) = (&self.state, &other.state);
-        let is_still = own.velocity == DVec3::ZERO && other_state.velocity == DVec3::ZERO;
-        (is_still && own.position == other_state.position) || self == other
+        let is_still = !self.moves() && !other.moves();
+        (is_still && self.origin() == other.origin()) || self == other
     }
 
-    /// Returns a sum over the position and the velocity: motions that are [the same](Self::is_same_as) have the same,
-    /// and others hardly ever.
+    /// Returns true if the motion leaves its position.
     #[inline]
-    pub(super) fn sum(&self) -> f64 {
-        const POSITION: DVec3 = DVec3::new(1.0, 0.754_877_666_246_69, 0.569_840_290_998_05);
-        const VELOCITY: DVec3 = DVec3::new(
-            0.430_159_709_001_95,
-            0.324_717_957_244_75,
-            0.245_122_333_753_31,
-        );
-        self.state.position.dot(POSITION) + self.state.velocity.dot(VELOCITY)
+    pub(super) fn moves(&self) -> bool {
+        self.velocity() != DVec3::ZERO
     }
 
     /// Returns the cubic.
     #[inline]
     pub(crate) fn segment(&self) -> Segment {
-        Segment::through(&self.state, self.end, 0.0)
+        let state = State {
+            time: self.start(),
+            position: self.origin(),
+            velocity: self.velocity(),
+        };
+        Segment::through(&state, self.velocity[3], 0.0)
     }
 
     /// Returns the time of the state, s.
     pub(crate) const fn start(&self) -> f64 {
-        self.state.time
+        self.origin[3]
     }
 
     pub(super) const fn start_ref(&self) -> &f64 {
-        &self.state.time
+        &self.origin[3]
     }
 
     /// Returns the duration of the cubic, s.
     pub(crate) fn duration(&self) -> f64 {
-        self.end - self.state.time
+        self.velocity[3] - self.origin[3]
     }
 
     /// Returns the position at the time of the state, m.
     pub(crate) const fn origin(&self) -> DVec3 {
-        self.state.position
+        let [x, y, z, _] = self.origin;
+        DVec3::new(x, y, z)
     }
 
     /// Returns the velocity, m/s.
     pub(crate) const fn velocity(&self) -> DVec3 {
-        self.state.velocity
+        let [x, y, z, _] = self.velocity;
+        DVec3::new(x, y, z)
+    }
+
+    /// Returns the position at the time of the state (m) and the velocity (m/s), each followed by any finite number.
+    #[inline(always)]
+    pub(crate) const fn lanes(&self) -> [[f64; 4]; 2] {
+        [self.origin, self.velocity]
     }
 
     /// Returns the displacement from the origin to the position at an instant (s), m. Each coordinate has
     /// two roundings.
     #[inline(always)]
     pub(crate) fn displacement_to(&self, time: f64) -> DVec3 {
-        self.state.velocity * (time - self.state.time)
+        self.velocity() * (time - self.start())
     }
 }
 
