@@ -89,18 +89,18 @@ impl Kinds {
 pub(crate) struct Partners<'s> {
     kinds: &'s Kinds,
     margin: f64,
-    /// The answer for all bodies, by their layers, if these are the same.
+    /// The answer for all bodies, by their layers, if it is the same.
     all: Option<bool>,
 }
 
 impl<'s> Partners<'s> {
     /// Returns the test for bodies of these kinds and a margin (m).
     pub(super) fn of(kinds: &'s Kinds, margin: f64) -> Self {
-        let mut layers = kinds.layers.values();
-        let all = match (layers.next(), layers.next()) {
-            (Some(&(_, has_partner)), None) => Some(has_partner),
-            _ => None,
-        };
+        let mut layers = kinds.layers.values().map(|&(_, has_partner)| has_partner);
+        let first = layers.next();
+        // Beyond some number none is looked for.
+        let are_alike = layers.take(Kinds::MANY).all(|other| Some(other) == first);
+        let all = first.filter(|_| are_alike);
         Self { kinds, margin, all }
     }
 
