@@ -41,8 +41,8 @@ pub trait Real:
     /// Limit as `LARGE`, for squares to be squared again or used in proofs, in f32.
     const MOST: f32;
 
-    /// A step of Halley's method up to this size leaves an error of a few units of rounding:
-    /// about the cube root of the rounding.
+    /// A step of Halley's method up to this size leaves an error of a few units of rounding, also where
+    /// the slope's second derivative vanishes: less than the cube root of the rounding.
     const SETTLED: Self;
 
     /// True for `f32`.
@@ -152,8 +152,8 @@ macro_rules! implement_real {
     };
 }
 
-implement_real!(f32, 1, 3e-3, 1e-28, 8e18);
-implement_real!(f64, 2, 5e-6, 1e-270, f32::MAX / 1024.0);
+implement_real!(f32, 1, 1e-3, 1e-28, 8e18);
+implement_real!(f64, 2, 1e-6, 1e-270, f32::MAX / 1024.0);
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,9 @@
 
 use super::batch::Lanes;
 use super::enclosures::enclose;
-use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block};
+use super::loops::{
+    BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
+};
 use super::pending::RetryQueue;
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::guess::{ControlPoints, largest_coordinate, widened};
@@ -86,7 +88,6 @@ pub(super) fn within<R: Real>(
         let found = &mut screening.verdicts[start..end];
         screen_block(
             instructions,
-            screen_halves,
             &block,
             &inner[start..end],
             &outer[start..end],
@@ -119,9 +120,8 @@ impl<R: Real> WithinBatch<'_, R> {
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
-        screen_block(
+        screen_block_finely(
             self.instructions,
-            screen_eighths,
             &self.second.lanes(),
             inner,
             outer,

@@ -17,6 +17,8 @@ mod exact;
 mod extremes;
 #[path = "kernels/scales.rs"]
 mod scales;
+#[path = "kernels/slow_passes.rs"]
+mod slow_passes;
 #[path = "kernels/spans.rs"]
 mod spans;
 #[path = "../../../benches/kernels/workloads.rs"]
@@ -144,10 +146,10 @@ fn distances_agree_with_the_exact_oracle() {
                 (there - distances[i]).abs() <= 60.0 * U * size(pair),
                 "{workload:?} {i}"
             );
-            // Measured 2e-7 on these; promised is 1e-5.
+            // Measured 2e-7 on these.
             let error = exact.excess(f64::from(distances_f32[i])).abs();
             assert!(
-                error <= 2e-6 * size(pair),
+                error <= 1e-6 * size(pair),
                 "{error:e} of {workload:?} {i} in f32: {pair:?}"
             );
             assert!((0.0..=1.0).contains(&times[i]) && (0.0..=1.0).contains(&times_f32[i]));
@@ -328,7 +330,7 @@ fn compare_with_enclosures(workload: Workload, count: usize, seed: u64) {
             "{} not in {found:?}: {workload:?} {seed} {i} {pair:?}",
             distances[i]
         );
-        let slack = 2e-6 * size(pair);
+        let slack = 1e-6 * size(pair);
         let single = f64::from(distances_f32[i]);
         let inside = single >= found.low - slack && single <= found.high + slack;
         assert!(
