@@ -39,6 +39,27 @@ fn stepped(folder: &Path, file: &str, options: &[&str]) -> Output {
     command.args(options).current_dir(folder).output().unwrap()
 }
 
+/// The rows of a table in `out.json`.
+fn written(folder: &Path, table: &str) -> Vec<Value> {
+    let written = read_to_string(folder.join("out.json")).unwrap();
+    let written: Value = serde_json::from_str(&written).unwrap();
+    written["tables"][table]["rows"].as_array().unwrap().clone()
+}
+
+/// The numbers of a column.
+fn column(rows: &[Value], name: &str) -> Vec<u64> {
+    rows.iter().map(|row| row[name].as_u64().unwrap()).collect()
+}
+
+/// The rows of one table of a part, of generated bodies.
+fn generated(folder: &Path, part: &str, table: &str, options: &[&str]) -> Vec<Value> {
+    let mut command = example("tradeoff");
+    command.args(["--quick", "--only", part, "--json", "out.json"]);
+    let done = command.args(options).current_dir(folder).output().unwrap();
+    assert!(done.status.success(), "{}", plain(&done.stderr));
+    written(folder, table)
+}
+
 /// The encounters of each row of the table.
 fn encounters(folder: &Path, file: &str, options: &[&str]) -> Vec<u64> {
     let json = [options, &["--json", "out.json"]].concat();
@@ -46,11 +67,7 @@ fn encounters(folder: &Path, file: &str, options: &[&str]) -> Vec<u64> {
     let said = plain(&stderr);
     assert!(status.success(), "{said}");
     assert_eq!(said, "not used: column \"colour\"\n");
-    let written = read_to_string(folder.join("out.json")).unwrap();
-    let written: Value = serde_json::from_str(&written).unwrap();
-    let rows = written["tables"]["stepped"]["rows"].as_array().unwrap();
-    let rows = rows.iter().map(|row| row["encounters"].as_u64().unwrap());
-    rows.collect()
+    column(&written(folder, "stepped"), "encounters")
 }
 
 /// The file's radius counts, or that of the command line, or half a metre.
@@ -135,4 +152,13 @@ fn what_is_refused() {
         assert!(status.code() == Some(code) && stdout.is_empty(), "{said}");
         assert_eq!(read_to_string(folder.join(FILE)).unwrap(), file);
     }
+}
+
+/// Also encounters that begin between two states, and of which a monitor first says that they have begun.
+#[test]
+fn told_encounters_are_seen() {
+    let folder = folder("tradeoff-told");
+    let rows = generated(&folder, "modelled", "told", &[]);
+    let (late, missed) = (column(&rows, "seen_late"), column(&rows, "missed"));
+    assert!(late[0] > 0 && missed[1] == 0, "{rows:?}");
 }
