@@ -162,3 +162,27 @@ fn told_encounters_are_seen() {
     let (late, missed) = (column(&rows, "seen_late"), column(&rows, "missed"));
     assert!(late[0] > 0 && missed[1] == 0, "{rows:?}");
 }
+
+/// The rows of the table of a file.
+fn stepped_rows(folder: &Path, file: &str) -> Vec<Value> {
+    let Output { status, stderr, .. } = stepped(folder, file, &["--json", "out.json"]);
+    assert!(status.success(), "{}", plain(&stderr));
+    written(folder, "stepped")
+}
+
+/// The window ends between two frames, and an encounter begins there.
+#[test]
+fn the_last_frame_is_looked_at() {
+    let folder = folder("tradeoff-end");
+    let file = "body,t,px,py,pz,vx,vy,vz\n0,0,0,0,0,0,0,0\n0,9.999,0,0,0,0,0,0\n\
+                1,0,100.985,0,0,-10,0,0\n1,9.999,0.995,0,0,-10,0,0\n";
+    let rows = stepped_rows(&folder, file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 1),
+        "{rows:?}"
+    );
+    assert!(
+        column(&rows, "missed").iter().all(|&missed| missed == 0),
+        "{rows:?}"
+    );
+}

@@ -38,7 +38,7 @@ struct Contact {
 /// A frame: where all bodies are, and where they were a step before.
 struct Frame<'a> {
     time: f64,
-    /// Since the frame before, s; 0 at the first one.
+    /// Since the frame before, s; 0 at the first one, and shorter at the last one.
     step: f64,
     before: &'a [DVec3],
     now: &'a [DVec3],
@@ -174,14 +174,12 @@ fn truth(world: &World) -> Result<Truth, Failure> {
 fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f64, f64) {
     let plans = world.plans();
     let (start, end) = (world.window.start(), world.window.end());
-    let step = 1.0 / f64::from(rate);
     let (mut before, mut now) = (Vec::new(), Vec::new());
     let (mut found, mut total, mut frames) = (Vec::new(), 0.0, 0.0);
+    let mut last = start;
     loop {
-        let time = start + frames * step;
-        if time > end {
-            return (found, total, frames);
-        }
+        // The window need not last a whole number of frames.
+        let time = (start + frames / f64::from(rate)).min(end);
         std::mem::swap(&mut before, &mut now);
         now.clear();
         // A body that is not there is where nobody is.
@@ -190,18 +188,21 @@ fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f
                 .iter()
                 .map(|plan| plan.position(time).unwrap_or(DVec3::NAN)),
         );
-        let is_first = before.is_empty();
-        if is_first {
+        if before.is_empty() {
             before.clone_from(&now);
         }
         let frame = Frame {
             time,
-            step: if is_first { 0.0 } else { step },
+            step: time - last,
             before: &before,
             now: &now,
         };
         total += timed(|| stepper.look(&frame, &mut found)).1;
         frames += 1.0;
+        last = time;
+        if time >= end {
+            return (found, total, frames);
+        }
     }
 }
 
