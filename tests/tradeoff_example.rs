@@ -186,3 +186,33 @@ fn the_last_frame_is_looked_at() {
         "{rows:?}"
     );
 }
+
+/// Two encounters 40 ms apart: a frame every 100 ms sees one of them.
+#[test]
+fn a_contact_is_of_one_encounter() {
+    let folder = folder("tradeoff-two");
+    let mut file = "body,t,px,py,pz,vx,vy,vz\n0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n".to_owned();
+    for (t, x) in [
+        (0.0, 3.0),
+        (0.9, 1.5),
+        (1.0, 0.9),
+        (1.03, 1.1),
+        (1.06, 0.95),
+        (1.09, 1.2),
+        (2.0, 3.0),
+    ] {
+        file.push_str(&format!("1,{t},{x},0,0,0,0,0\n"));
+    }
+    let rows = stepped_rows(&folder, &file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 2),
+        "{rows:?}"
+    );
+    let ours = &rows[..2];
+    assert_eq!(column(ours, "missed"), [0; 2]);
+    let at = |rate: u64| rows[2..].iter().filter(move |row| row["Hz"] == rate);
+    for (rate, missed) in [(10, 1), (60, 0)] {
+        let seen: Vec<Value> = at(rate).cloned().collect();
+        assert_eq!(column(&seen, "missed"), [missed; 4], "{rows:?}");
+    }
+}

@@ -11,7 +11,7 @@ use crate::{Effort, Failure};
 use glam::DVec3;
 use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query};
 use sensors::Sensors;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use steppers::{Overlaps, ShapeCasts, SweptSpheres};
 
 /// Frames a second.
@@ -57,6 +57,13 @@ struct Encounter {
     separation: f64,
 }
 
+impl Encounter {
+    /// The time between the encounter and an instant, s; 0 within it.
+    fn apart(&self, time: f64) -> f64 {
+        (self.enter - time).max(time - self.exit).max(0.0)
+    }
+}
+
 /// All encounters by pair of places.
 type Truth = BTreeMap<(usize, usize), Vec<Encounter>>;
 
@@ -74,47 +81,46 @@ struct Score {
 }
 
 impl Score {
-    /// Compares contacts with the truth; `step` (s) is the time that a frame may be late.
+    /// Compares contacts with the truth; `step` (s) is the time that a frame may be late. A contact is of the
+    /// nearest encounter of its pair, and of no other one.
     fn of(truth: &Truth, found: &[Contact], step: f64) -> Self {
-        let mut by_pair: BTreeMap<(usize, usize), Vec<Contact>> = BTreeMap::new();
+        // Contacts by pair and number of the encounter, and pairs with a contact outside all.
+        let mut seen: BTreeMap<((usize, usize), usize), Vec<Contact>> = BTreeMap::new();
+        let mut wrong = BTreeSet::new();
         for &contact in found {
             let pair = (contact.a.min(contact.b), contact.a.max(contact.b));
-            by_pair.entry(pair).or_default().push(contact);
-        }
-        let mut score = Self::default();
-        let nothing = Vec::new();
-        for (pair, encounters) in truth {
-            let contacts = by_pair.get(pair).unwrap_or(&nothing);
-            for one in encounters {
-                score.encounters += 1;
-                let near = |contact: &&Contact| {
-                    one.enter - step <= contact.time && contact.time <= one.exit + step
-                };
-                let Some(first) = contacts.iter().find(near) else {
-                    score.missed += 1;
-                    continue;
-                };
-                score.late.push((first.time - one.enter).abs());
-                let seen = contacts
-                    .iter()
-                    .filter(near)
-                    .filter_map(|contact| contact.separation);
-                if let Some(least) = seen.reduce(f64::min) {
-                    score.off.push((least - one.separation).abs());
+            let encounters = truth.get(&pair).into_iter().flatten();
+            let apart = encounters.map(|one| one.apart(contact.time));
+            match apart
+                .enumerate()
+                .min_by(|one, other| one.1.total_cmp(&other.1))
+            {
+                Some((number, apart)) if apart <= step => {
+                    seen.entry((pair, number)).or_default().push(contact);
+                }
+                // One wrong contact a pair: it may last many frames.
+                _ => {
+                    wrong.insert(pair);
                 }
             }
         }
-        let nobody = Vec::new();
-        for (pair, contacts) in &by_pair {
-            let encounters = truth.get(pair).unwrap_or(&nobody);
-            let is_true = |contact: &Contact| {
-                let near = |one: &Encounter| {
-                    one.enter - step <= contact.time && contact.time <= one.exit + step
+        let mut score = Self {
+            wrong: wrong.len(),
+            ..Self::default()
+        };
+        for (&pair, encounters) in truth {
+            for (number, one) in encounters.iter().enumerate() {
+                score.encounters += 1;
+                let Some(contacts) = seen.get(&(pair, number)) else {
+                    score.missed += 1;
+                    continue;
                 };
-                encounters.iter().any(near)
-            };
-            // One wrong contact a pair: it may last many frames.
-            score.wrong += usize::from(contacts.iter().any(|contact| !is_true(contact)));
+                score.late.push((contacts[0].time - one.enter).abs());
+                let separations = contacts.iter().filter_map(|contact| contact.separation);
+                if let Some(least) = separations.reduce(f64::min) {
+                    score.off.push((least - one.separation).abs());
+                }
+            }
         }
         score
     }
