@@ -216,3 +216,14 @@ fn a_contact_is_of_one_encounter() {
         assert_eq!(column(&seen, "missed"), [missed; 4], "{rows:?}");
     }
 }
+
+/// A monitor looks beyond the window, where two bodies come closer still.
+#[test]
+fn separations_beyond_the_window_are_not_compared() {
+    let folder = folder("tradeoff-cut");
+    let rows = generated(&folder, "stepped", "stepped", &["--bodies", "500"]);
+    let monitor = &rows[1];
+    assert_eq!(monitor["method"], "nearmiss, monitor 2 s ahead");
+    let off = monitor["separation_off_m"].as_f64().unwrap();
+    assert!(off < 1e-9, "{monitor}");
+}
