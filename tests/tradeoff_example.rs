@@ -227,3 +227,22 @@ fn separations_beyond_the_window_are_not_compared() {
     let off = monitor["separation_off_m"].as_f64().unwrap();
     assert!(off < 1e-9, "{monitor}");
 }
+
+/// 1e8 m away, where f32 knows every eighth metre.
+#[test]
+fn steppers_in_f32_see_what_is_far_away() {
+    let folder = folder("tradeoff-far");
+    let file = "body,t,px,py,pz,vx,vy,vz\n0,0,99999980,0,0,4,0,0\n0,10,100000020,0,0,4,0,0\n\
+                1,0,100000020,0.7,0,-4,0,0\n1,10,99999980,0.7,0,-4,0,0\n";
+    let rows = stepped_rows(&folder, file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 1),
+        "{rows:?}"
+    );
+    for name in ["missed", "false"] {
+        assert!(
+            column(&rows, name).iter().all(|&count| count == 0),
+            "{rows:?}"
+        );
+    }
+}

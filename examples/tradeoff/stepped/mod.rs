@@ -9,7 +9,7 @@ use crate::timing::{median, repeated, timed};
 use crate::world::World;
 use crate::{Effort, Failure};
 use glam::DVec3;
-use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query};
+use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query, Trajectory};
 use sensors::Sensors;
 use std::collections::{BTreeMap, BTreeSet};
 use steppers::{Overlaps, ShapeCasts, SweptSpheres};
@@ -42,6 +42,8 @@ struct Frame<'a> {
     step: f64,
     before: &'a [DVec3],
     now: &'a [DVec3],
+    /// The middle of the scene, m, in all frames: f32 is finest there.
+    middle: DVec3,
 }
 
 /// A way to find contacts frame by frame.
@@ -176,9 +178,22 @@ fn truth(world: &World) -> Result<Truth, Failure> {
     Ok(truth)
 }
 
+/// Returns the middle of the box around all knots, m.
+fn middle(plans: &[&Trajectory]) -> DVec3 {
+    let knots = plans.iter().flat_map(|plan| {
+        let positions = plan.knots().iter().map(|&time| plan.position(time));
+        positions.flatten()
+    });
+    let (low, high) = knots.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| {
+        (low.min(at), high.max(at))
+    });
+    0.5 * low + 0.5 * high
+}
+
 /// Lets a stepper look at all frames. Returns its contacts, the time it took, s, and the frames.
 fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f64, f64) {
     let plans = world.plans();
+    let middle = middle(&plans);
     let (start, end) = (world.window.start(), world.window.end());
     let (mut before, mut now) = (Vec::new(), Vec::new());
     let (mut found, mut total, mut frames) = (Vec::new(), 0.0, 0.0);
@@ -202,6 +217,7 @@ fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f
             step: time - last,
             before: &before,
             now: &now,
+            middle,
         };
         total += timed(|| stepper.look(&frame, &mut found)).1;
         frames += 1.0;
