@@ -128,6 +128,12 @@ fn what_is_refused() {
         ),
         (
             None,
+            &["--margin", "2e9"],
+            1,
+            "--margin: a radius of 0.5 m and half of 2e9 m are above 1e9 m",
+        ),
+        (
+            None,
             &["--json", "./states.csv"],
             2,
             "--json ./states.csv is the file of states itself",
