@@ -89,6 +89,23 @@ fn radii() {
     }
 }
 
+/// The picture of a scene without encounters: all are found, and the scale begins near by.
+#[test]
+fn a_picture_without_encounters() {
+    let folder = folder("tradeoff-picture");
+    let done = stepped(&folder, &passing(10.0, None), &["--pictures", "."]);
+    assert!(done.status.success(), "{}", plain(&done.stderr));
+    let drawn = read_to_string(folder.join("tradeoff-stepped.svg")).unwrap();
+    let labels: Vec<&str> = drawn
+        .lines()
+        .filter(|line| !line.starts_with('<'))
+        .collect();
+    assert!(
+        labels.contains(&"100") && !labels.contains(&"20"),
+        "{labels:?}"
+    );
+}
+
 /// At a thousand million seconds there are too many ticks for a monitor as well.
 #[test]
 fn a_file_of_many_years() {
