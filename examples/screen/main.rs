@@ -31,6 +31,7 @@ use clap::{Parser, ValueEnum};
 use hitboxes::Hitboxes;
 use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Window};
 use read::{Bodies, FileBody, Labels};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -208,19 +209,18 @@ fn build_scene(
         OutsideRule::Coast => Outside::Coast,
     };
     let hitboxes = arguments.hitboxes.as_deref().map(Hitboxes::read);
-    let hitboxes = hitboxes.transpose()?;
-    if let Some(hitboxes) = &hitboxes {
-        let tags: Vec<u64> = bodies.iter().map(|body| body.tag).collect();
-        hitboxes.check(labels, &tags)?;
-    }
+    let mut hitboxes = match hitboxes.transpose()? {
+        Some(hitboxes) => {
+            let tags: Vec<u64> = bodies.iter().map(|body| body.tag).collect();
+            hitboxes.by_tag(labels, &tags)?
+        }
+        None => BTreeMap::new(),
+    };
     let mut scene = Scene::new();
     // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
     for body in bodies {
         let tag = body.tag;
-        let own = hitboxes
-            .as_ref()
-            .and_then(|hitboxes| hitboxes.of(labels, tag));
-        let (hitbox, orientation) = match own {
+        let (hitbox, orientation) = match hitboxes.remove(&tag) {
             Some(own) => own,
             None => (hitbox(arguments, body.radius)?, Orientation::FIXED),
         };
