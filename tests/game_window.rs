@@ -166,7 +166,7 @@ fn labels_do_not_overlap() {
         width: 316.0,
         height: 236.0,
     };
-    for labels in [1, 10, 100, 1_000] {
+    for (labels, least) in [(10, 8), (100, 80), (1_000, 300)] {
         let mut areas = Areas::new(screen);
         areas.take(panel);
         let mut placed = vec![panel];
@@ -194,10 +194,8 @@ fn labels_do_not_overlap() {
             assert!(!placed.iter().any(covers), "{area:?}");
             placed.push(area);
         }
-        let least = [1, 8, 60, 150][[1, 10, 100, 1_000]
-            .iter()
-            .position(|&n| n == labels)
-            .unwrap()];
-        assert!(placed.len() >= least, "{} of {labels}", placed.len() - 1);
+        // Besides the panel.
+        let count = placed.len() - 1;
+        assert!(count >= least, "{count} of {labels}");
     }
 }
