@@ -160,6 +160,9 @@ fn a_storm_is_refused_in_little_memory() {
     // As much as the scene takes, and half a GiB more, were all slices to keep their candidates.
     let peak = PEAK.load(Ordering::Relaxed);
     assert!(peak < GIB * 5 / 8, "{peak}");
+    monitor.set_max_spans(Monitor::MAX_SPANS);
+    monitor.advance(0.1, &mut events).unwrap();
+    assert!(monitor.conflicts(0).unwrap().len() > 100_000);
 }
 
 /// Points at one place: each two of them are a pair for ever.

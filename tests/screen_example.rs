@@ -148,6 +148,8 @@ fn windows_and_outside_rules() {
 fn broken_files() {
     let file = |rows: &str| format!("{HEADER}{rows}");
     refuses("empty", "", &[], &["states.csv", "row 1", "empty"]);
+    let unclosed = format!("{HEADER}0,0,0,0,0,0,0,0\n\"0,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n");
+    refuses("unclosed", &unclosed, &[], &["row 3, column t", "1 value"]);
     refuses("no-rows", HEADER, &[], &["states.csv", "row 2"]);
     refuses(
         "column",

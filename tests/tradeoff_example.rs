@@ -39,6 +39,27 @@ fn stepped(folder: &Path, file: &str, options: &[&str]) -> Output {
     command.args(options).current_dir(folder).output().unwrap()
 }
 
+/// The rows of a table in `out.json`.
+fn written(folder: &Path, table: &str) -> Vec<Value> {
+    let written = read_to_string(folder.join("out.json")).unwrap();
+    let written: Value = serde_json::from_str(&written).unwrap();
+    written["tables"][table]["rows"].as_array().unwrap().clone()
+}
+
+/// The numbers of a column.
+fn column(rows: &[Value], name: &str) -> Vec<u64> {
+    rows.iter().map(|row| row[name].as_u64().unwrap()).collect()
+}
+
+/// The rows of one table of a part, of generated bodies.
+fn generated(folder: &Path, part: &str, table: &str, options: &[&str]) -> Vec<Value> {
+    let mut command = example("tradeoff");
+    command.args(["--quick", "--only", part, "--json", "out.json"]);
+    let done = command.args(options).current_dir(folder).output().unwrap();
+    assert!(done.status.success(), "{}", plain(&done.stderr));
+    written(folder, table)
+}
+
 /// The encounters of each row of the table.
 fn encounters(folder: &Path, file: &str, options: &[&str]) -> Vec<u64> {
     let json = [options, &["--json", "out.json"]].concat();
@@ -46,11 +67,7 @@ fn encounters(folder: &Path, file: &str, options: &[&str]) -> Vec<u64> {
     let said = plain(&stderr);
     assert!(status.success(), "{said}");
     assert_eq!(said, "not used: column \"colour\"\n");
-    let written = read_to_string(folder.join("out.json")).unwrap();
-    let written: Value = serde_json::from_str(&written).unwrap();
-    let rows = written["tables"]["stepped"]["rows"].as_array().unwrap();
-    let rows = rows.iter().map(|row| row["encounters"].as_u64().unwrap());
-    rows.collect()
+    column(&written(folder, "stepped"), "encounters")
 }
 
 /// The file's radius counts, or that of the command line, or half a metre.
@@ -70,6 +87,23 @@ fn radii() {
             "{found:?}"
         );
     }
+}
+
+/// The picture of a scene without encounters: all are found, and the scale begins near by.
+#[test]
+fn a_picture_without_encounters() {
+    let folder = folder("tradeoff-picture");
+    let done = stepped(&folder, &passing(10.0, None), &["--pictures", "."]);
+    assert!(done.status.success(), "{}", plain(&done.stderr));
+    let drawn = read_to_string(folder.join("tradeoff-stepped.svg")).unwrap();
+    let labels: Vec<&str> = drawn
+        .lines()
+        .filter(|line| !line.starts_with('<'))
+        .collect();
+    assert!(
+        labels.contains(&"100") && !labels.contains(&"20"),
+        "{labels:?}"
+    );
 }
 
 /// At a thousand million seconds there are too many ticks for a monitor as well.
@@ -111,6 +145,12 @@ fn what_is_refused() {
         ),
         (
             None,
+            &["--margin", "2e9"],
+            1,
+            "--margin: a radius of 0.5 m and half of 2e9 m are above 1e9 m",
+        ),
+        (
+            None,
             &["--json", "./states.csv"],
             2,
             "--json ./states.csv is the file of states itself",
@@ -134,5 +174,98 @@ fn what_is_refused() {
         assert_eq!(error, Some(&format!("error: {said}")[..]));
         assert!(status.code() == Some(code) && stdout.is_empty(), "{said}");
         assert_eq!(read_to_string(folder.join(FILE)).unwrap(), file);
+    }
+}
+
+/// Also encounters that begin between two states, and of which a monitor first says that they have begun.
+#[test]
+fn told_encounters_are_seen() {
+    let folder = folder("tradeoff-told");
+    let rows = generated(&folder, "modelled", "told", &[]);
+    let (late, missed) = (column(&rows, "seen_late"), column(&rows, "missed"));
+    assert!(late[0] > 0 && missed[1] == 0, "{rows:?}");
+}
+
+/// The rows of the table of a file.
+fn stepped_rows(folder: &Path, file: &str) -> Vec<Value> {
+    let Output { status, stderr, .. } = stepped(folder, file, &["--json", "out.json"]);
+    assert!(status.success(), "{}", plain(&stderr));
+    written(folder, "stepped")
+}
+
+/// The window ends between two frames, and an encounter begins there.
+#[test]
+fn the_last_frame_is_looked_at() {
+    let folder = folder("tradeoff-end");
+    let file = "body,t,px,py,pz,vx,vy,vz\n0,0,0,0,0,0,0,0\n0,9.999,0,0,0,0,0,0\n\
+                1,0,100.985,0,0,-10,0,0\n1,9.999,0.995,0,0,-10,0,0\n";
+    let rows = stepped_rows(&folder, file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 1),
+        "{rows:?}"
+    );
+    assert!(
+        column(&rows, "missed").iter().all(|&missed| missed == 0),
+        "{rows:?}"
+    );
+}
+
+/// Two encounters 40 ms apart: a frame every 100 ms sees one of them.
+#[test]
+fn a_contact_is_of_one_encounter() {
+    let folder = folder("tradeoff-two");
+    let mut file = "body,t,px,py,pz,vx,vy,vz\n0,0,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n".to_owned();
+    for (t, x) in [
+        (0.0, 3.0),
+        (0.9, 1.5),
+        (1.0, 0.9),
+        (1.03, 1.1),
+        (1.06, 0.95),
+        (1.09, 1.2),
+        (2.0, 3.0),
+    ] {
+        file.push_str(&format!("1,{t},{x},0,0,0,0,0\n"));
+    }
+    let rows = stepped_rows(&folder, &file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 2),
+        "{rows:?}"
+    );
+    let ours = &rows[..2];
+    assert_eq!(column(ours, "missed"), [0; 2]);
+    let at = |rate: u64| rows[2..].iter().filter(move |row| row["Hz"] == rate);
+    for (rate, missed) in [(10, 1), (60, 0)] {
+        let seen: Vec<Value> = at(rate).cloned().collect();
+        assert_eq!(column(&seen, "missed"), [missed; 4], "{rows:?}");
+    }
+}
+
+/// A monitor looks beyond the window, where two bodies come closer still.
+#[test]
+fn separations_beyond_the_window_are_not_compared() {
+    let folder = folder("tradeoff-cut");
+    let rows = generated(&folder, "stepped", "stepped", &["--bodies", "500"]);
+    let monitor = &rows[1];
+    assert_eq!(monitor["method"], "nearmiss, monitor 2 s ahead");
+    let off = monitor["separation_off_m"].as_f64().unwrap();
+    assert!(off < 1e-9, "{monitor}");
+}
+
+/// 1e8 m away, where f32 knows every eighth metre.
+#[test]
+fn steppers_in_f32_see_what_is_far_away() {
+    let folder = folder("tradeoff-far");
+    let file = "body,t,px,py,pz,vx,vy,vz\n0,0,99999980,0,0,4,0,0\n0,10,100000020,0,0,4,0,0\n\
+                1,0,100000020,0.7,0,-4,0,0\n1,10,99999980,0.7,0,-4,0,0\n";
+    let rows = stepped_rows(&folder, file);
+    assert!(
+        column(&rows, "encounters").iter().all(|&all| all == 1),
+        "{rows:?}"
+    );
+    for name in ["missed", "false"] {
+        assert!(
+            column(&rows, name).iter().all(|&count| count == 0),
+            "{rows:?}"
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! Events as lines that can be read: one for each pair, held for a second.
 
-use nearmiss::{BodyId, Encounter, Event, EventKind};
+use nearmiss::{BodyId, Encounter, EncounterId, Event, EventKind};
+use std::collections::BTreeSet;
 
 /// Time for which a line is not replaced by another one, s.
 const HOLD: f64 = 1.0;
@@ -11,6 +12,8 @@ const KEEP: f64 = 4.0;
 #[derive(Debug, Default)]
 pub(crate) struct Feed {
     lines: Vec<Line>,
+    /// Encounters of all levels that lie ahead or are under way: bodies, level and id.
+    open: BTreeSet<(BodyId, BodyId, usize, EncounterId)>,
 }
 
 /// A pair, with what was told of it last.
@@ -30,6 +33,7 @@ pub(crate) struct Told {
     pub(crate) time: f64,
     pub(crate) word: &'static str,
     pub(crate) encounter: Encounter,
+    /// True if the encounter is over, and the pair has no other one.
     is_over: bool,
 }
 
@@ -58,8 +62,26 @@ impl Told {
 impl Feed {
     /// Takes the events of the tick that ended at `now` (s), of these alert levels and the worse ones.
     pub(crate) fn note(&mut self, now: f64, events: &[Event], lowest_level: usize) {
-        let told = events.iter().filter_map(|event| Told::of(now, event));
-        for told in told.filter(|told| told.encounter.level >= lowest_level) {
+        let mut told: Vec<Told> = events
+            .iter()
+            .filter_map(|event| Told::of(now, event))
+            .collect();
+        for told in &told {
+            let Encounter {
+                a, b, level, id, ..
+            } = told.encounter;
+            if told.is_over {
+                self.open.remove(&(a, b, level, id));
+            } else {
+                self.open.insert((a, b, level, id));
+            }
+        }
+        told.retain(|told| told.encounter.level >= lowest_level);
+        for mut told in told {
+            let (a, b) = told.pair();
+            let from = (a, b, lowest_level, EncounterId::from_bits(0));
+            let next = self.open.range(from..).next();
+            told.is_over &= next.is_none_or(|next| (next.0, next.1) != (a, b));
             let same = |line: &&mut Line| line.shown.pair() == told.pair();
             match self.lines.iter_mut().find(same) {
                 // Of several within a tick, that of the worst level.

@@ -53,6 +53,7 @@ impl Fleet {
         let Some(state) = self.state(id) else {
             return Ok(None);
         };
+        let now = self.monitor.now();
         let mut best: Option<(f64, BodyPlan)> = None;
         let mut idea = first;
         for attempt in 0..MAX_IDEAS {
@@ -71,7 +72,7 @@ impl Fleet {
                 return Ok(Some(plan));
             }
             let contacts = self.monitor.what_if(id, &plan, self.setting.contact)?;
-            let trouble = trouble(&warnings) + 1e3 * trouble(&contacts);
+            let trouble = trouble(&warnings, now) + 1e3 * trouble(&contacts, now);
             if best.as_ref().is_none_or(|(least, _)| trouble < *least) {
                 best = Some((trouble, plan));
             }
@@ -81,9 +82,9 @@ impl Fleet {
 }
 
 /// Sooner is worse.
-fn trouble(conflicts: &[Conflict]) -> f64 {
+fn trouble(conflicts: &[Conflict], now: f64) -> f64 {
     conflicts
         .iter()
-        .map(|conflict| 1.0 / (1.0 + conflict.enter.max(0.0)))
+        .map(|conflict| 1.0 / (1.0 + (conflict.enter - now).max(0.0)))
         .sum()
 }

@@ -15,7 +15,7 @@ const REVISION: f64 = 1e-6;
 /// The contacts that were told, and those that were seen without having been told.
 #[derive(Debug, Default)]
 pub(crate) struct Truth {
-    /// Contacts that lie ahead or are under way.
+    /// Contacts that were told while they lay ahead, and lie ahead or are under way.
     told: BTreeMap<EncounterId, Encounter>,
     /// Contacts that ended in the last tick.
     ended: Vec<Encounter>,
@@ -44,11 +44,18 @@ impl Truth {
                     self.told.remove(&encounter.id);
                 }
                 EventKind::Ended(..) => {
-                    self.told.remove(&encounter.id);
-                    self.ended.push(*encounter);
+                    if self.told.remove(&encounter.id).is_some() {
+                        self.ended.push(*encounter);
+                    }
                 }
-                _ => {
+                EventKind::Predicted(_) => {
                     self.told.insert(encounter.id, *encounter);
+                }
+                // One that is first told when it has begun was not predicted.
+                _ => {
+                    if let Some(told) = self.told.get_mut(&encounter.id) {
+                        *told = *encounter;
+                    }
                 }
             }
         }

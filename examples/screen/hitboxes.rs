@@ -5,6 +5,7 @@ use crate::terminal::{self, quoted};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{Hitbox, Orientation, Sphere};
 use serde_json::{Map, Value};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -60,40 +61,47 @@ impl Hitboxes {
         Ok(Self { name, entries })
     }
 
-    /// Checks that each entry concerns a body of the file of states, given the tags of all.
-    pub(crate) fn check(&self, labels: &Labels, tags: &[u64]) -> Result<(), String> {
+    /// Returns the hitbox and the orientation by tag, of the bodies that have an entry, given the tags of all.
+    /// Each entry must concern one.
+    pub(crate) fn by_tag(
+        &self,
+        labels: &Labels,
+        tags: &[u64],
+    ) -> Result<BTreeMap<u64, (Hitbox, Orientation)>, String> {
+        let name = |tag: u64| Some((labels.name(tag)?, tag));
+        let names: BTreeMap<&str, u64> = tags.iter().filter_map(|&tag| name(tag)).collect();
+        let number = |tag: u64| {
+            let number = labels.name(tag).map_or(Some(tag), |name| name.parse().ok());
+            Some((number?, tag))
+        };
+        let numbers: BTreeSet<(u64, u64)> = tags.iter().filter_map(|&tag| number(tag)).collect();
+        let mut last: BTreeMap<u64, &Entry> = BTreeMap::new();
         for (number, entry) in self.entries.iter().enumerate() {
-            if !tags.iter().any(|&tag| entry.bodies.contain(labels, tag)) {
+            let tags: Vec<u64> = match &entry.bodies {
+                Bodies::Name(own) => names.get(&own[..]).copied().into_iter().collect(),
+                Bodies::Numbers(range) => numbers
+                    .range((*range.start(), 0)..=(*range.end(), u64::MAX))
+                    .map(|&(_, tag)| tag)
+                    .collect(),
+            };
+            if tags.is_empty() {
                 return Err(format!(
                     "{}: entry {number}, {}: no such body has states: name one that has",
                     self.name,
                     entry.bodies.named()
                 ));
             }
+            last.extend(tags.into_iter().map(|tag| (tag, entry)));
         }
-        Ok(())
-    }
-
-    /// The hitbox and the orientation of a body, if the file has them.
-    pub(crate) fn of(&self, labels: &Labels, tag: u64) -> Option<(Hitbox, Orientation)> {
-        let mut entries = self.entries.iter().rev();
-        let entry = entries.find(|entry| entry.bodies.contain(labels, tag))?;
-        Some((entry.hitbox.clone(), entry.orientation.clone()))
+        let own = |entry: &Entry| (entry.hitbox.clone(), entry.orientation.clone());
+        Ok(last
+            .into_iter()
+            .map(|(tag, entry)| (tag, own(entry)))
+            .collect())
     }
 }
 
 impl Bodies {
-    fn contain(&self, labels: &Labels, tag: u64) -> bool {
-        let name = labels.name(tag);
-        match self {
-            Self::Name(own) => name == Some(own),
-            Self::Numbers(range) => {
-                let number = name.map_or(Some(tag), |name| name.parse().ok());
-                number.is_some_and(|number| range.contains(&number))
-            }
-        }
-    }
-
     fn named(&self) -> String {
         match self {
             Self::Name(name) => format!("body {}", quoted(name.as_bytes())),

@@ -8,8 +8,8 @@
 //!
 //! `STATES` has the columns `body,t,px,py,pz,vx,vy,vz` in any order, and possibly `radius` (SI units; a body's
 //! rows together and in the order of time); other columns are ignored, which standard error says. The separator is a
-//! comma, a semicolon or a tab. Bodies are whole numbers from 0 on; if one is not, all are names, in the order of their
-//! first appearance. `-` is standard input; gzip is unpacked.
+//! comma, a semicolon or a tab. Bodies are whole numbers from 0 on, and `07` is 7; if one is not, all are names as they
+//! are written, in the order of their first appearance. `-` is standard input; gzip is unpacked.
 //!
 //! Writes one row for each maximal interval in which two bodies' separation is at most the margin: their labels `a` and
 //! `b`, the earlier one first; `enter`, `exit`, and `tca`, the time of closest approach (s); `separation` then (m);
@@ -31,6 +31,7 @@ use clap::{Parser, ValueEnum};
 use hitboxes::Hitboxes;
 use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Window};
 use read::{Bodies, FileBody, Labels};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -42,7 +43,8 @@ use write::Table;
 #[command(name = "screen")]
 struct Arguments {
     /// A table with the columns body,t,px,py,pz,vx,vy,vz, and possibly radius, in any order; SI units; separated
-    /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers or names.
+    /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers (07 is 7) or,
+    /// if one is none, names.
     states: PathBuf,
     /// Radius of every body, m; 0 if neither this is given nor the file has a column radius.
     #[arg(
@@ -208,19 +210,18 @@ fn build_scene(
         OutsideRule::Coast => Outside::Coast,
     };
     let hitboxes = arguments.hitboxes.as_deref().map(Hitboxes::read);
-    let hitboxes = hitboxes.transpose()?;
-    if let Some(hitboxes) = &hitboxes {
-        let tags: Vec<u64> = bodies.iter().map(|body| body.tag).collect();
-        hitboxes.check(labels, &tags)?;
-    }
+    let mut hitboxes = match hitboxes.transpose()? {
+        Some(hitboxes) => {
+            let tags: Vec<u64> = bodies.iter().map(|body| body.tag).collect();
+            hitboxes.by_tag(labels, &tags)?
+        }
+        None => BTreeMap::new(),
+    };
     let mut scene = Scene::new();
     // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
     for body in bodies {
         let tag = body.tag;
-        let own = hitboxes
-            .as_ref()
-            .and_then(|hitboxes| hitboxes.of(labels, tag));
-        let (hitbox, orientation) = match own {
+        let (hitbox, orientation) = match hitboxes.remove(&tag) {
             Some(own) => own,
             None => (hitbox(arguments, body.radius)?, Orientation::FIXED),
         };

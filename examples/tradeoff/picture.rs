@@ -94,11 +94,13 @@ fn steps(table: &Table) -> (Axes, Vec<Mark>) {
         } else {
             name
         };
+        // Of none, none is missed.
+        let share = if all > 0.0 { missed / all } else { 0.0 };
         Some(Mark {
             series,
             name,
             x: row[8].number()?,
-            y: 100.0 * (all - missed) / all.max(1.0),
+            y: 100.0 * (1.0 - share),
         })
     });
     let mut marks: Vec<Mark> = marks.collect();

@@ -2,7 +2,7 @@
 
 use crate::scenes::{Shape, generator, normal_vector, swarm};
 use crate::table::Table;
-use crate::timing::in_turns;
+use crate::timing::{in_turns, median, timed};
 use crate::{Effort, Failure};
 use glam::{DQuat, DVec3};
 use nearmiss::live::{LiveOptions, ReportKind};
@@ -116,35 +116,44 @@ fn screenings(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Res
     Ok(())
 }
 
-/// Some frames of a monitor.
-type Life = fn(Monitor) -> Result<(), Failure>;
+/// Some frames of a monitor. Returns the time they took, s, without that of the monitor's end.
+type Life = fn(Monitor) -> Result<f64, Failure>;
 
 /// Goes on for some frames after the first tick.
-fn live_through(mut monitor: Monitor) -> Result<(), Failure> {
+fn live_through(mut monitor: Monitor) -> Result<f64, Failure> {
     let mut events = Vec::new();
-    for frame in 1..=FRAMES {
-        events.clear();
-        monitor.advance(f64::from(frame) / RATE, &mut events)?;
-        black_box(&events);
-    }
-    Ok(())
+    let frames = || -> Result<(), Failure> {
+        for frame in 1..=FRAMES {
+            events.clear();
+            monitor.advance(f64::from(frame) / RATE, &mut events)?;
+            black_box(&events);
+        }
+        Ok(())
+    };
+    let (done, time) = timed(frames);
+    done.map(|()| time)
 }
 
-/// The same on a thread of its own: each frame is sent, and its report awaited.
-fn live_apart(monitor: Monitor) -> Result<(), Failure> {
+/// Goes on for some frames on a thread of its own: each frame is sent, and its report awaited. The time leaves out
+/// the thread's beginning and end.
+fn live_apart(monitor: Monitor) -> Result<f64, Failure> {
     let live = monitor.spawn(LiveOptions::default())?;
     let game = live.handle();
-    for frame in 1..=FRAMES {
-        let time = f64::from(frame) / RATE;
-        game.advance(time)
-            .map_err(|_| "the monitor's thread takes no requests")?;
-        let is_this =
-            |kind: &ReportKind| matches!(kind, ReportKind::Ticked { now, .. } if *now >= time);
-        while !is_this(&live.reports().recv()?.kind) {}
-    }
+    let frames = || -> Result<(), Failure> {
+        for frame in 1..=FRAMES {
+            let time = f64::from(frame) / RATE;
+            game.advance(time)
+                .map_err(|_| "the monitor's thread takes no requests")?;
+            let is_this =
+                |kind: &ReportKind| matches!(kind, ReportKind::Ticked { now, .. } if *now >= time);
+            while !is_this(&live.reports().recv()?.kind) {}
+        }
+        Ok(())
+    };
+    let (done, time) = timed(frames);
     live.shutdown()
         .map_err(|_| "the monitor's thread panicked")?;
-    Ok(())
+    done.map(|()| time)
 }
 
 /// Begins a recording; what it writes down at first is no part of a tick.
@@ -186,19 +195,17 @@ fn monitors(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Resul
             (recorded(monitor(&one)?)?, live_through),
         ];
         for ((monitor, life), times) in lives.into_iter().zip(&mut times) {
-            let (done, time) = crate::timing::timed(|| life(monitor));
-            done?;
-            times.push(time / f64::from(FRAMES));
+            times.push(life(monitor)? / f64::from(FRAMES));
         }
         #[allow(clippy::cast_precision_loss, reason = "shown")]
         progress(0.4 + 0.6 * (turn + 1) as f64 / turns as f64);
     }
     let ratio = |own: &[f64]| {
         let ratios = own.iter().zip(&times[0]).map(|(own, first)| own / first);
-        crate::timing::median(ratios.collect())
+        median(ratios.collect())
     };
     for (name, own) in MONITORS.iter().zip(&times) {
-        let time = crate::timing::median(own.clone());
+        let time = median(own.clone());
         table.row(vec![
             "monitor".into(),
             (*name).into(),

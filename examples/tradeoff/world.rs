@@ -17,7 +17,7 @@ pub(crate) struct World {
 /// Radius of bodies that have no other one, m.
 const RADIUS: f64 = 0.5;
 
-/// Largest radius, m: the steppers work in f32.
+/// Largest radius, with half of the margin, m: the steppers work in f32.
 pub(crate) const MAX_RADIUS: f64 = 1e9;
 
 impl World {
@@ -48,6 +48,13 @@ impl World {
         let found = read::bodies(file)?;
         terminal::tell_unused(&found.unused);
         let radius = common_radius(&found.bodies, radius, &terminal::name(file))?;
+        let reach = radius + 0.5 * margin;
+        if reach > MAX_RADIUS {
+            return Err(format!(
+                "--margin: a radius of {radius} m and half of {margin:e} m are above {MAX_RADIUS:e} m"
+            )
+            .into());
+        }
         let mut scene = Scene::new();
         for body in found.bodies {
             let tag = body.tag;

@@ -88,7 +88,6 @@ fn check(round: usize, truths: &[Truth], certified: &[Conflict], plain: &[Confli
         }
         if proof.resolved {
             assert_eq!(inside.len(), 1, "{round} {conflict:?}");
-            assert!(truths.len() == left.len() || !left.is_empty());
             let truth = inside[0];
             assert!(
                 truth.enter <= exact(proof.enter.latest),

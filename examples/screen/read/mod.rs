@@ -1,7 +1,7 @@
 //! Reading a file of states; every complaint names file, row, column and value.
 //!
 //! Rows are counted as lines of the file, which end with `\n` or `\r\n`: the header is row 1, and empty ones
-//! count.
+//! count. A row with line ends in quotation marks has the number of its first line.
 
 mod complain;
 mod header;
@@ -214,7 +214,14 @@ fn next_row(
         let line = reader.position().line() - 1;
         match found {
             Ok(true) if record.len() == 1 && record[0].trim_ascii().is_empty() => {}
-            Ok(found) => return Ok(found.then_some(line)),
+            Ok(false) => return Ok(None),
+            Ok(true) => {
+                let ends = record.as_slice().iter().filter(|&&byte| byte == b'\n');
+                let first = line.saturating_sub(ends.count() as u64);
+                // A row with open quotation marks has no line end. (The reader takes empty ones before it for its own.)
+                let own = record.position().map_or(0, csv::Position::line);
+                return Ok(Some(first.max(own)));
+            }
             Err(error) => return Err(format!("row {line}: {error}")),
         }
     }

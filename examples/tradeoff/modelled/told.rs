@@ -35,10 +35,10 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
     let query = Query::new(world.window).with_accuracy(Accuracy::Certified);
     let truth = world.scene.screen(&query)?.conflicts;
     let bodies: Vec<_> = world.scene.bodies().collect();
-    for &rate in effort.choose(&[1_u32, 2, 5, 10, 30, 60][..], &[2, 10][..]) {
+    for &rate in effort.choose(&[1_u32, 2, 5, 10, 30, 60][..], &[1, 10][..]) {
         let mut monitor = Monitor::new(world.scene.clone(), start, AHEAD, &[AlertLevel::at(0.0)])?;
-        // First instant at which a pair was said to meet, by the pair and the instant it would.
-        let mut predicted: BTreeMap<(BodyId, BodyId), Vec<(f64, f64)>> = BTreeMap::new();
+        // Clocks at which pairs were said to meet, now or ahead, with the instants of their entry.
+        let mut told: BTreeMap<(BodyId, BodyId), Vec<(f64, f64)>> = BTreeMap::new();
         let mut began = BTreeSet::new();
         let (mut events, mut times) = (Vec::new(), Vec::new());
         let mut tick = 0_u32;
@@ -58,34 +58,32 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             done?;
             times.push(time);
             for event in events.drain(..) {
-                match event.kind {
-                    EventKind::Predicted(one) | EventKind::Revised(one) => {
-                        predicted
-                            .entry((one.a, one.b))
-                            .or_default()
-                            .push((now, one.enter));
-                    }
-                    EventKind::Began(one) => {
-                        began.insert((one.a, one.b));
-                    }
-                    _ => {}
+                let (EventKind::Predicted(one) | EventKind::Revised(one) | EventKind::Began(one)) =
+                    event.kind
+                else {
+                    continue;
+                };
+                let pair = (one.a, one.b);
+                told.entry(pair).or_default().push((now, one.enter));
+                if matches!(event.kind, EventKind::Began(_)) {
+                    began.insert(pair);
                 }
             }
             tick += 1;
         }
-        // A prediction is of an encounter if it says when to within a tenth of a second or a step.
+        // An event is of an encounter if it says when to within a tenth of a second or a step.
         let near = 0.1_f64.max(1.0 / f64::from(rate));
         let (mut ahead, mut late, mut missed) = (0_usize, 0_usize, 0_usize);
         let mut warnings = Vec::new();
         for conflict in &truth {
-            let said = predicted.get(&(conflict.a, conflict.b));
+            let said = told.get(&(conflict.a, conflict.b));
             let fits = |&&(_, enter): &&(f64, f64)| {
                 conflict.enter - near <= enter && enter <= conflict.exit + near
             };
             match said.and_then(|said| said.iter().find(fits)) {
-                Some((told, _)) if *told < conflict.enter => {
+                Some((first, _)) if *first < conflict.enter => {
                     ahead += 1;
-                    warnings.push(conflict.enter - told);
+                    warnings.push(conflict.enter - first);
                 }
                 Some(_) => late += 1,
                 None => missed += 1,

@@ -9,9 +9,9 @@ use crate::timing::{median, repeated, timed};
 use crate::world::World;
 use crate::{Effort, Failure};
 use glam::DVec3;
-use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query};
+use nearmiss::{Accuracy, AlertLevel, BodyId, EventKind, Monitor, Query, Trajectory};
 use sensors::Sensors;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use steppers::{Overlaps, ShapeCasts, SweptSpheres};
 
 /// Frames a second.
@@ -38,10 +38,12 @@ struct Contact {
 /// A frame: where all bodies are, and where they were a step before.
 struct Frame<'a> {
     time: f64,
-    /// Since the frame before, s; 0 at the first one.
+    /// Since the frame before, s; 0 at the first one, and shorter at the last one.
     step: f64,
     before: &'a [DVec3],
     now: &'a [DVec3],
+    /// The middle of the scene, m, in all frames: f32 is finest there.
+    middle: DVec3,
 }
 
 /// A way to find contacts frame by frame.
@@ -55,6 +57,13 @@ struct Encounter {
     enter: f64,
     exit: f64,
     separation: f64,
+}
+
+impl Encounter {
+    /// The time between the encounter and an instant, s; 0 within it.
+    fn apart(&self, time: f64) -> f64 {
+        (self.enter - time).max(time - self.exit).max(0.0)
+    }
 }
 
 /// All encounters by pair of places.
@@ -74,47 +83,46 @@ struct Score {
 }
 
 impl Score {
-    /// Compares contacts with the truth; `step` (s) is the time that a frame may be late.
+    /// Compares contacts with the truth; `step` (s) is the time that a frame may be late. A contact is of the
+    /// nearest encounter of its pair, and of no other one.
     fn of(truth: &Truth, found: &[Contact], step: f64) -> Self {
-        let mut by_pair: BTreeMap<(usize, usize), Vec<Contact>> = BTreeMap::new();
+        // Contacts by pair and number of the encounter, and pairs with a contact outside all.
+        let mut seen: BTreeMap<((usize, usize), usize), Vec<Contact>> = BTreeMap::new();
+        let mut wrong = BTreeSet::new();
         for &contact in found {
             let pair = (contact.a.min(contact.b), contact.a.max(contact.b));
-            by_pair.entry(pair).or_default().push(contact);
-        }
-        let mut score = Self::default();
-        let nothing = Vec::new();
-        for (pair, encounters) in truth {
-            let contacts = by_pair.get(pair).unwrap_or(&nothing);
-            for one in encounters {
-                score.encounters += 1;
-                let near = |contact: &&Contact| {
-                    one.enter - step <= contact.time && contact.time <= one.exit + step
-                };
-                let Some(first) = contacts.iter().find(near) else {
-                    score.missed += 1;
-                    continue;
-                };
-                score.late.push((first.time - one.enter).abs());
-                let seen = contacts
-                    .iter()
-                    .filter(near)
-                    .filter_map(|contact| contact.separation);
-                if let Some(least) = seen.reduce(f64::min) {
-                    score.off.push((least - one.separation).abs());
+            let encounters = truth.get(&pair).into_iter().flatten();
+            let apart = encounters.map(|one| one.apart(contact.time));
+            match apart
+                .enumerate()
+                .min_by(|one, other| one.1.total_cmp(&other.1))
+            {
+                Some((number, apart)) if apart <= step => {
+                    seen.entry((pair, number)).or_default().push(contact);
+                }
+                // One wrong contact a pair: it may last many frames.
+                _ => {
+                    wrong.insert(pair);
                 }
             }
         }
-        let nobody = Vec::new();
-        for (pair, contacts) in &by_pair {
-            let encounters = truth.get(pair).unwrap_or(&nobody);
-            let is_true = |contact: &Contact| {
-                let near = |one: &Encounter| {
-                    one.enter - step <= contact.time && contact.time <= one.exit + step
+        let mut score = Self {
+            wrong: wrong.len(),
+            ..Self::default()
+        };
+        for (&pair, encounters) in truth {
+            for (number, one) in encounters.iter().enumerate() {
+                score.encounters += 1;
+                let Some(contacts) = seen.get(&(pair, number)) else {
+                    score.missed += 1;
+                    continue;
                 };
-                encounters.iter().any(near)
-            };
-            // One wrong contact a pair: it may last many frames.
-            score.wrong += usize::from(contacts.iter().any(|contact| !is_true(contact)));
+                score.late.push((contacts[0].time - one.enter).abs());
+                let separations = contacts.iter().filter_map(|contact| contact.separation);
+                if let Some(least) = separations.reduce(f64::min) {
+                    score.off.push((least - one.separation).abs());
+                }
+            }
         }
         score
     }
@@ -170,18 +178,29 @@ fn truth(world: &World) -> Result<Truth, Failure> {
     Ok(truth)
 }
 
+/// Returns the middle of the box around all knots, m.
+fn middle(plans: &[&Trajectory]) -> DVec3 {
+    let knots = plans.iter().flat_map(|plan| {
+        let positions = plan.knots().iter().map(|&time| plan.position(time));
+        positions.flatten()
+    });
+    let (low, high) = knots.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| {
+        (low.min(at), high.max(at))
+    });
+    0.5 * low + 0.5 * high
+}
+
 /// Lets a stepper look at all frames. Returns its contacts, the time it took, s, and the frames.
 fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f64, f64) {
     let plans = world.plans();
+    let middle = middle(&plans);
     let (start, end) = (world.window.start(), world.window.end());
-    let step = 1.0 / f64::from(rate);
     let (mut before, mut now) = (Vec::new(), Vec::new());
     let (mut found, mut total, mut frames) = (Vec::new(), 0.0, 0.0);
+    let mut last = start;
     loop {
-        let time = start + frames * step;
-        if time > end {
-            return (found, total, frames);
-        }
+        // The window need not last a whole number of frames.
+        let time = (start + frames / f64::from(rate)).min(end);
         std::mem::swap(&mut before, &mut now);
         now.clear();
         // A body that is not there is where nobody is.
@@ -190,18 +209,22 @@ fn step(world: &World, rate: u32, stepper: &mut dyn Stepper) -> (Vec<Contact>, f
                 .iter()
                 .map(|plan| plan.position(time).unwrap_or(DVec3::NAN)),
         );
-        let is_first = before.is_empty();
-        if is_first {
+        if before.is_empty() {
             before.clone_from(&now);
         }
         let frame = Frame {
             time,
-            step: if is_first { 0.0 } else { step },
+            step: time - last,
             before: &before,
             now: &now,
+            middle,
         };
         total += timed(|| stepper.look(&frame, &mut found)).1;
         frames += 1.0;
+        last = time;
+        if time >= end {
+            return (found, total, frames);
+        }
     }
 }
 
@@ -241,7 +264,8 @@ fn monitored(world: &World, rate: u32) -> Result<(Vec<Contact>, f64, f64), Failu
                     a: places[&one.a],
                     b: places[&one.b],
                     time: one.enter,
-                    separation: Some(one.closest.separation),
+                    // The truth knows the bodies within the window alone; later they may be closer.
+                    separation: (one.exit <= end).then_some(one.closest.separation),
                 });
             }
         }

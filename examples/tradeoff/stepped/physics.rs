@@ -13,7 +13,7 @@ impl Stepper for Sensors {
             if position.is_nan() {
                 away(place)
             } else {
-                position.as_vec3()
+                (position - frame.middle).as_vec3()
             }
         };
         self.step(frame.now.iter().enumerate().map(place));

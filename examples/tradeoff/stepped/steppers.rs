@@ -172,11 +172,12 @@ impl Stepper for ShapeCasts {
         } else {
             0.0
         };
-        let motion = |body: usize| {
+        // About a point near by: far from it f32 is coarse.
+        let motion = |body: usize, origin: DVec3| {
             let (from, to) = way(frame, body);
             let velocity = ((to - from) * rate).as_vec3();
             NonlinearRigidMotion::new(
-                Pose::from_translation(from.as_vec3()),
+                Pose::from_translation((from - origin).as_vec3()),
                 Vec3::ZERO,
                 velocity,
                 Vec3::ZERO,
@@ -186,8 +187,9 @@ impl Stepper for ShapeCasts {
             |body| swept(frame, radius, body),
             frame.now.len(),
             |a, b| {
-                let hit =
-                    cast_shapes_nonlinear(&motion(a), &ball, &motion(b), &ball, 0.0, step, true);
+                let origin = way(frame, b).0;
+                let (one, other) = (motion(a, origin), motion(b, origin));
+                let hit = cast_shapes_nonlinear(&one, &ball, &other, &ball, 0.0, step, true);
                 if let Ok(Some(hit)) = hit {
                     let time = frame.time - frame.step + f64::from(hit.time_of_impact);
                     found.push(Contact {

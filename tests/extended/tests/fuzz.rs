@@ -14,6 +14,7 @@ use nearmiss::{
 use proptest::collection::vec;
 use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
+use std::cell::Cell;
 
 /// Any bits, and numbers that are likely to do harm together.
 fn number() -> BoxedStrategy<f64> {
@@ -86,8 +87,19 @@ fn hitbox() -> impl Strategy<Value = Hitbox> {
     })
 }
 
+/// A plan of ordinary numbers, which meets others of its kind.
+fn ordinary() -> impl Strategy<Value = Option<Trajectory>> {
+    let vector = || [-10.0..10.0_f64, -10.0..10.0, -10.0..10.0].prop_map(DVec3::from_array);
+    vec((vector(), vector()), 2..4).prop_map(|states| {
+        let state = |(time, (position, velocity))| State::new(time, position, velocity);
+        let states: Vec<State> = (0..10).map(f64::from).zip(states).map(state).collect();
+        Trajectory::from_states(&states).ok()
+    })
+}
+
 fn body() -> impl Strategy<Value = Option<Body>> {
-    (trajectory(), hitbox())
+    let trajectory = prop_oneof![trajectory(), ordinary()];
+    (trajectory, hitbox())
         .prop_map(|(trajectory, hitbox)| Some(Body::new(trajectory?).with_hitbox(hitbox)))
 }
 
@@ -103,7 +115,13 @@ fn window() -> impl Strategy<Value = Window> {
     ]
 }
 
-fn run<T: std::fmt::Debug>(cases: u32, strategy: impl Strategy<Value = T>, test: impl Fn(T)) {
+/// Runs a test on some cases. It returns true where there was something to check: in a share of them at least.
+fn run<T: std::fmt::Debug>(
+    cases: u32,
+    least: f64,
+    strategy: impl Strategy<Value = T>,
+    test: impl Fn(T) -> bool,
+) {
     let cases = std::env::var("PROPTEST_CASES")
         .ok()
         .and_then(|text| text.parse().ok())
@@ -114,12 +132,18 @@ fn run<T: std::fmt::Debug>(cases: u32, strategy: impl Strategy<Value = T>, test:
         rng_seed: RngSeed::Fixed(20),
         ..Config::default()
     };
+    let checked = Cell::new(0_u32);
     TestRunner::new(config)
         .run(&strategy, |value| {
-            test(value);
+            checked.set(checked.get() + u32::from(test(value)));
             Ok(())
         })
         .unwrap();
+    let checked = checked.get();
+    assert!(
+        f64::from(checked) >= (least * f64::from(cases)).floor(),
+        "{checked} of {cases}"
+    );
 }
 
 fn assert_sound_approach(closest: &ClosestApproach) {
@@ -175,9 +199,10 @@ fn scene_of(bodies: Vec<Option<Body>>) -> Scene {
 fn trajectories() {
     run(
         4_000,
+        0.2,
         (trajectory(), number(), trajectory()),
         |(made, time, other)| {
-            let Some(made) = made else { return };
+            let Some(made) = made else { return false };
             for value in [
                 made.position(time),
                 made.velocity(time),
@@ -189,6 +214,7 @@ fn trajectories() {
                 let spliced = made.spliced(time, &other);
                 assert!(spliced.is_err() || spliced.is_ok_and(|plan| plan.knots().is_sorted()));
             }
+            true
         },
     );
 }
@@ -196,8 +222,9 @@ fn trajectories() {
 #[test]
 fn screenings() {
     let question = (vec(body(), 0..5), window(), number());
-    run(2_000, question, |(bodies, window, margin)| {
+    run(2_000, 0.04, question, |(bodies, window, margin)| {
         let scene = scene_of(bodies);
+        let mut conflicts = 0;
         let query = Query::new(window).with_margin(margin);
         for accuracy in [Accuracy::Exact, Accuracy::Certified] {
             let answers = Method::EVERY
@@ -213,6 +240,7 @@ fn screenings() {
             }
             if let Ok(screening) = first {
                 screening.conflicts.iter().for_each(assert_sound);
+                conflicts += screening.conflicts.len();
             }
         }
         let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
@@ -225,52 +253,66 @@ fn screenings() {
                 assert!(closest.error >= 0.0 && closest.error.is_finite());
             }
         }
+        conflicts > 0
     });
 }
 
 #[test]
 fn monitors() {
-    let levels = vec((number(), number()), 0..3);
-    let steps = vec((number(), trajectory(), any::<u8>()), 0..6);
-    let life = (vec(body(), 0..5), number(), number(), levels, steps);
-    run(1_500, life, |(bodies, now, lookahead, levels, steps)| {
-        let levels: Vec<AlertLevel> = levels
-            .into_iter()
-            .map(|(margin, release)| AlertLevel { margin, release })
-            .collect();
-        let Ok(mut monitor) = Monitor::new(scene_of(bodies), now, lookahead, &levels) else {
-            return;
-        };
-        let mut events: Vec<Event> = Vec::new();
-        for (time, plan, choice) in steps {
-            let ids: Vec<_> = monitor.scene().bodies().map(|(id, _)| id).collect();
-            if let (Some(plan), Some(&id)) = (plan, ids.get(usize::from(choice) % 5)) {
-                let command = match choice % 4 {
-                    0 => Command::Replan(id, time, plan),
-                    1 => Command::Extend(id, plan),
-                    2 => Command::SetTrajectory(id, plan),
-                    _ => Command::Remove(id),
-                };
-                // Refusals are answers.
-                let _ = monitor.apply([command]);
-            }
-            // A jump is looked at slice by slice: over 1e300 s that would never end.
-            let step = if time.is_finite() {
-                time.abs().min(100.0 * lookahead)
-            } else {
-                time
+    let level = prop_oneof![
+        1 => (number(), number()),
+        4 => (0.0..10.0_f64, 0.0..1.0_f64).prop_map(|(margin, more)| (margin, margin + more)),
+    ];
+    let levels = vec(level, 0..3);
+    let instant = || prop_oneof![number(), 0.0..1.0_f64];
+    let lookahead = prop_oneof![number(), 0.0..10.0_f64];
+    let plan = prop_oneof![trajectory(), ordinary()];
+    let steps = vec((instant(), plan, any::<u8>()), 0..6);
+    let life = (vec(body(), 0..5), instant(), lookahead, levels, steps);
+    run(
+        1_500,
+        0.1,
+        life,
+        |(bodies, now, lookahead, levels, steps)| {
+            let levels: Vec<AlertLevel> = levels
+                .into_iter()
+                .map(|(margin, release)| AlertLevel { margin, release })
+                .collect();
+            let Ok(mut monitor) = Monitor::new(scene_of(bodies), now, lookahead, &levels) else {
+                return false;
             };
-            let budget = Budget::Work(u64::from(choice) * 20);
-            let _ = monitor.advance_within(monitor.now() + step, budget, &mut events);
-            for level in 0..levels.len() {
-                monitor
-                    .conflicts(level)
-                    .unwrap()
-                    .iter()
-                    .for_each(assert_sound);
+            let mut events: Vec<Event> = Vec::new();
+            for (time, plan, choice) in steps {
+                let ids: Vec<_> = monitor.scene().bodies().map(|(id, _)| id).collect();
+                if let (Some(plan), Some(&id)) = (plan, ids.get(usize::from(choice) % 5)) {
+                    let command = match choice % 4 {
+                        0 => Command::Replan(id, time, plan),
+                        1 => Command::Extend(id, plan),
+                        2 => Command::SetTrajectory(id, plan),
+                        _ => Command::Remove(id),
+                    };
+                    // Refusals are answers.
+                    let _ = monitor.apply([command]);
+                }
+                // A jump is looked at slice by slice: over 1e300 s that would never end.
+                let step = if time.is_finite() {
+                    time.abs().min(100.0 * lookahead)
+                } else {
+                    time
+                };
+                let budget = Budget::Work(u64::from(choice) * 20);
+                let _ = monitor.advance_within(monitor.now() + step, budget, &mut events);
+                for level in 0..levels.len() {
+                    monitor
+                        .conflicts(level)
+                        .unwrap()
+                        .iter()
+                        .for_each(assert_sound);
+                }
             }
-        }
-        assert!(events.iter().all(|event| event.time.is_finite()));
-        monitor.close(&mut events);
-    });
+            assert!(events.iter().all(|event| event.time.is_finite()));
+            monitor.close(&mut events);
+            !events.is_empty()
+        },
+    );
 }
