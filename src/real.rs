@@ -152,7 +152,7 @@ macro_rules! implement_real {
     };
 }
 
-implement_real!(f32, 1, 1e-3, 1e-28, 8e18);
+implement_real!(f32, 1, 2e-3, 1e-28, 8e18);
 implement_real!(f64, 2, 1e-6, 1e-270, f32::MAX / 1024.0);
 
 #[cfg(test)]

@@ -49,12 +49,20 @@ fn median_within(mut values: Vec<f64>) -> (f64, [f64; 2]) {
 pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Table, Failure> {
     let count = effort.choose(10_000, 1_000);
     // Where a scene lies in memory changes its time by a percent: scenes are made again and again.
-    let (rounds, turns) = effort.choose((12, 6), (6, 2));
+    let (rounds, turns) = effort.choose((15, 5), (5, 2));
+    let mut kinds = vec![Use::Nothing];
+    kinds.extend(SCENES.map(|(_, uses)| uses));
     let mut all: Vec<Vec<Turn>> = Vec::new();
     for round in 0..rounds {
-        let with = SCENES.map(|(_, uses)| scene(count, uses, false));
-        let mut scenes = vec![scene(count, Use::Nothing, false)?];
-        scenes.extend(with.into_iter().collect::<Result<Vec<Scene>, Failure>>()?);
+        // Each kind of scene is as often the first to be made as the last.
+        let mut scenes = (0..kinds.len())
+            .map(|step| {
+                let place = (round + step) % kinds.len();
+                Ok((place, scene(count, kinds[place], false)?))
+            })
+            .collect::<Result<Vec<(usize, Scene)>, Failure>>()?;
+        scenes.sort_by_key(|&(place, _)| place);
+        let scenes: Vec<Scene> = scenes.into_iter().map(|(_, scene)| scene).collect();
         // Once before: a first screening takes memory.
         turn(&scenes, 0);
         all.push(
