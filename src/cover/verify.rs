@@ -105,11 +105,13 @@ impl Balls {
         let centre = (sphere.offset - solid.origin) / solid.unit;
         let radius = sphere.radius / solid.unit;
         let rounding = 8.0 * f64::EPSILON * (crate::rounding::norm(centre) + radius);
+        // The box is rounded as the shape's points are.
+        let margin = rounding + solid.rounding;
         let nearest = crate::rounding::norm(centre - centre.clamp(solid.low, solid.high));
         let farthest = (centre - solid.low).abs().max((centre - solid.high).abs());
-        if crate::rounding::norm(farthest) + rounding <= radius {
+        if crate::rounding::norm(farthest) + margin <= radius {
             self.contain_all = true;
-        } else if nearest - rounding > radius {
+        } else if nearest - margin > radius {
             // It contains nothing.
         } else if radius.max(crate::rounding::norm(centre)) > TOO_LARGE {
             self.vague = true;

@@ -7,6 +7,7 @@
 
 mod campaign;
 mod cases;
+mod far;
 mod meshes;
 mod verdicts;
 

@@ -1,0 +1,38 @@
+//! Places so far away, or spheres so large, that rounding hides a shape's size.
+
+use nearmiss::glam::DVec3;
+use nearmiss::parry3d::math::{Pose, Vector};
+use nearmiss::parry3d::shape::{Capsule, Compound, Cuboid, Shape, SharedShape};
+use nearmiss::{Coverage, Sphere, verify_cover};
+
+fn verdict(shape: &dyn Shape, offset: DVec3, radius: f64) -> Coverage {
+    verify_cover(&[Sphere { offset, radius }], shape).unwrap()
+}
+
+/// A cube of a half width around (x, x, x).
+fn cube(x: f32, half: f32) -> Compound {
+    let cube = SharedShape::new(Cuboid::new(Vector::splat(half)));
+    Compound::new(vec![(Pose::translation(x, x, x), cube)])
+}
+
+/// The box around a shape is rounded as the shape's place is.
+#[test]
+fn boxes_far_away_are_rounded() {
+    let far = |x: f32| DVec3::splat(f64::from(x));
+    let ball = Capsule::new(Vector::splat(1e15), Vector::splat(1e15), 0.05);
+    let undecided = |verdict: Coverage| matches!(verdict, Coverage::Undecided { .. });
+    let of_ball = verdict(&ball, far(1e15), 0.001);
+    assert!(undecided(of_ball), "{of_ball:?}");
+    let of_cube = verdict(&cube(1e15, 0.05), far(1e15), 0.0);
+    assert!(undecided(of_cube), "{of_cube:?}");
+    // A radius of 0.0017511033922 m is needed.
+    let of_small = verdict(&cube(1e7, 0.001_011), far(1e7), 0.001_751_101_779_1);
+    assert!(undecided(of_small), "{of_small:?}");
+    // Beside it: rounding does not hide a millimetre.
+    let beside = verdict(&cube(1e7, 0.001_011), far(1e7) + 0.01, 0.002);
+    assert!(matches!(beside, Coverage::Uncovered { .. }), "{beside:?}");
+    assert_eq!(
+        verdict(&cube(1e7, 0.001_011), far(1e7), 0.001_76),
+        Coverage::Covered
+    );
+}
