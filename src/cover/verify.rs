@@ -167,10 +167,11 @@ impl Balls {
         verdict
     }
 
-    /// Returns true if a point is certainly outside of all balls.
-    fn are_left_out(&self, point: DVec3) -> bool {
+    /// Returns true if a point of the solid is certainly outside of all balls.
+    fn are_left_out(&self, solid: &Solid, point: DVec3) -> bool {
+        let margin = CERTAIN + solid.rounding + self.rounding;
         let mut balls = self.balls.iter();
-        balls.all(|&(centre, radius)| point.distance(centre) > radius + CERTAIN + self.rounding)
+        balls.all(|&(centre, radius)| point.distance(centre) > radius + margin)
     }
 
     fn of_polyhedron(&self, solid: &Solid, part: &SolidPart) -> Coverage {
@@ -185,7 +186,7 @@ impl Balls {
         let spare = solid.rounding + solid.unevenness + self.rounding;
         match farthest_out(&part.surface(4), &self.balls, spare) {
             None => Coverage::Covered,
-            Some(point) if self.are_left_out(point) && is_in_part(point) => {
+            Some(point) if self.are_left_out(solid, point) && is_in_part(point) => {
                 Coverage::Uncovered { point }
             }
             Some(point) => Coverage::Undecided { point },
@@ -197,7 +198,8 @@ impl Balls {
         if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
         }
-        let finest = FINEST * solid.diameter;
+        // Smaller pieces would not help against rounding.
+        let finest = (FINEST * solid.diameter).max(spare);
         let mut undecided = None;
         let mut pieces: Vec<(Wedge, Vec<usize>)> = wedges(form)
             .into_iter()
@@ -213,7 +215,7 @@ impl Balls {
                     continue;
                 };
                 let point = into(form, point);
-                if self.are_left_out(point) {
+                if self.are_left_out(solid, point) {
                     return Coverage::Uncovered { point };
                 }
                 // A point's pieces are points.

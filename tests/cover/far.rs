@@ -1,7 +1,7 @@
 //! Places so far away, or spheres so large, that rounding hides a shape's size.
 
 use nearmiss::glam::DVec3;
-use nearmiss::parry3d::math::{Pose, Vector};
+use nearmiss::parry3d::math::{Pose, Rotation, Vector};
 use nearmiss::parry3d::shape::{Capsule, Compound, Cuboid, Shape, SharedShape};
 use nearmiss::{Coverage, Sphere, verify_cover};
 
@@ -35,4 +35,21 @@ fn boxes_far_away_are_rounded() {
         verdict(&cube(1e7, 0.001_011), far(1e7), 0.001_76),
         Coverage::Covered
     );
+}
+
+/// No corner of a cube is left out because its place is rounded.
+#[test]
+fn corners_far_away_are_rounded() {
+    let place = Vector::splat(1e7);
+    let turn = Rotation::from_axis_angle(Vector::new(0.3, 0.4, 0.86), 0.7);
+    for step in 0..20_u8 {
+        let half = 0.001 + 1e-7 * f32::from(step);
+        let cube = SharedShape::new(Cuboid::new(Vector::splat(half)));
+        let shape = Compound::new(vec![(Pose::from_parts(place, turn), cube)]);
+        // The axis is not of length 1, nor is the quaternion: it is read as a direction.
+        let enough = 3_f64.sqrt() * f64::from(half) * (1.0 + 1e-9);
+        let verdict = verdict(&shape, place.as_dvec3(), enough);
+        let is_right = matches!(verdict, Coverage::Covered | Coverage::Undecided { .. });
+        assert!(is_right, "{half}: {verdict:?}");
+    }
 }
