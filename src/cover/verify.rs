@@ -49,7 +49,8 @@ const TOO_LARGE: f64 = 1e4;
 /// Shapes without interior are asked for their surface.
 ///
 /// A sphere more than ten thousand times larger than the shape, whose surface passes the shape's box,
-/// has too few digits for a verdict: the answer is then `Undecided`.
+/// has too few digits for a verdict: the answer is then `Undecided`. So it is beside a sphere whose numbers would
+/// overflow if the shape were scaled to a size of 1.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -104,6 +105,10 @@ impl Balls {
     fn add(&mut self, solid: &Solid, sphere: &Sphere) {
         let centre = (sphere.offset - solid.origin) / solid.unit;
         let radius = sphere.radius / solid.unit;
+        if !(centre.is_finite() && radius.is_finite()) {
+            self.vague = true;
+            return;
+        }
         let rounding = 8.0 * f64::EPSILON * (crate::rounding::norm(centre) + radius);
         // The box is rounded as the shape's points are.
         let margin = rounding + solid.rounding;

@@ -2,7 +2,7 @@
 
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Rotation, Vector};
-use nearmiss::parry3d::shape::{Capsule, Compound, Cuboid, Shape, SharedShape};
+use nearmiss::parry3d::shape::{Ball, Capsule, Compound, Cuboid, Shape, SharedShape};
 use nearmiss::{Coverage, Sphere, verify_cover};
 
 fn verdict(shape: &dyn Shape, offset: DVec3, radius: f64) -> Coverage {
@@ -52,4 +52,25 @@ fn corners_far_away_are_rounded() {
         let is_right = matches!(verdict, Coverage::Covered | Coverage::Undecided { .. });
         assert!(is_right, "{half}: {verdict:?}");
     }
+}
+
+/// Spheres whose numbers overflow in the unit of a small shape.
+#[test]
+fn spheres_beyond_all_numbers() {
+    for (radius, offset, reach) in [
+        (1e-9, 1e300, 9.9e299),
+        (1e-20, 1e290, 9e289),
+        (1e-40, 1e270, 1e269),
+    ] {
+        let verdict = verdict(&Ball::new(radius), DVec3::X * offset, reach);
+        let is_right = matches!(
+            verdict,
+            Coverage::Uncovered { .. } | Coverage::Undecided { .. }
+        );
+        assert!(is_right, "{radius}: {verdict:?}");
+    }
+    // One that contains the shape.
+    let around = verdict(&Ball::new(1e-9), DVec3::X * 9e299, 9.9e299);
+    let is_right = matches!(around, Coverage::Covered | Coverage::Undecided { .. });
+    assert!(is_right, "{around:?}");
 }
