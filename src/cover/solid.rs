@@ -141,14 +141,19 @@ impl Solid {
 
     /// Returns, for each place, an upper bound of the signed distance that holds without exception.
     pub(super) fn certain_distances(&self, places: &[DVec3]) -> Vec<f64> {
+        // Nearer to the surface the side may be wrong. At this distance the angle of a sliver that passes the
+        // place is off by 0.0002. A wrong side takes 2 pi: 30,000 such slivers.
+        const NO_SIDE: f64 = 1e-5;
         let one = |(): &mut (), place: usize| {
             let at = places[place];
             let distances = self.parts.iter().map(|part| match part {
                 SolidPart::Mesh(mesh) => {
-                    let distance = mesh.nearest(at).distance(at);
-                    // Within rounding of the surface the side does not matter.
-                    let inside = mesh.winding(at).abs() >= 0.5;
-                    if inside { -distance } else { distance }
+                    let depth = mesh.clear_distance(at);
+                    if depth > NO_SIDE && mesh.winding(at).abs() >= 0.5 {
+                        -depth
+                    } else {
+                        mesh.nearest(at).distance(at)
+                    }
                 }
                 SolidPart::Convex(convex) => convex.signed_distance(at).0,
             });
