@@ -25,7 +25,8 @@ pub enum Coverage {
     },
     /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
     /// a shape that is a point), they would contain it. Meshes with gaps are an
-    /// exception where planes between spheres agree to rounding.
+    /// exception where planes between spheres agree to rounding. Round shapes are another one, where many
+    /// spheres meet so near to their surface that 262,144 pieces of it are not enough.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -38,7 +39,7 @@ const FINEST: f64 = 1e-7;
 /// A point that is outside of all balls by less than this may be in one, in the solid's unit.
 const CERTAIN: f64 = 1e-9;
 
-/// Pieces of one generation; more are not looked at.
+/// Pieces of one generation; more are not halved.
 const MAX_PIECES: usize = 1 << 18;
 
 /// Spheres this many times larger than the shape have too few digits for a verdict.
@@ -203,6 +204,11 @@ impl Balls {
         if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
         }
+        if let SolidForm::Capsule { ends, radius } = form
+            && self.contain_along_axis(*ends, *radius, 4.0 * spare)
+        {
+            return Coverage::Covered;
+        }
         // Smaller pieces would not help against rounding.
         let finest = (FINEST * solid.diameter).max(spare);
         let mut undecided = None;
@@ -233,6 +239,43 @@ impl Balls {
             pieces = next;
         }
         undecided.map_or(Coverage::Covered, |point| Coverage::Undecided { point })
+    }
+
+    /// Returns true if the balls contain a capsule for this reason: each end of the axis, with the capsule's radius
+    /// around it, is in one ball, and each point between is the middle of a disc across the axis, of the same
+    /// radius, that is in one ball. Where balls meet just outside of the capsule, all along circles, pieces would
+    /// have to be as small as the distance.
+    ///
+    /// A ball of radius R, whose centre is beside the axis, contains one on the axis of the radius R less the
+    /// distance. Discs of radius r are in that one up to sqrt(R² - r²) along the axis.
+    fn contain_along_axis(&self, ends: [DVec3; 2], radius: f64, spare: f64) -> bool {
+        let way = ends[1] - ends[0];
+        let (length, axis) = (way.length(), way.normalize_or_zero());
+        let on_axis = self.balls.iter().filter_map(|&(centre, own)| {
+            let from_end = centre - ends[0];
+            let along = from_end.dot(axis);
+            let beside = from_end.distance(axis * along);
+            let excess = own - beside - radius - spare;
+            (excess >= 0.0).then_some((along, excess))
+        });
+        let on_axis: Vec<(f64, f64)> = on_axis.collect();
+        let is_in_one = |end: f64| {
+            let mut balls = on_axis.iter();
+            balls.any(|&(along, excess)| (end - along).abs() + spare <= excess)
+        };
+        let reach = |&(along, excess): &(f64, f64)| {
+            let reach = (excess * (excess + 2.0 * radius)).sqrt() - spare;
+            (along - reach, along + reach)
+        };
+        let mut discs: Vec<(f64, f64)> = on_axis.iter().map(reach).collect();
+        discs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut reached = 0.0;
+        for (from, to) in discs {
+            if from <= reached {
+                reached = to.max(reached);
+            }
+        }
+        is_in_one(0.0) && is_in_one(length) && reached >= length
     }
 
     /// Returns those of some balls that may have the least power somewhere in a polyhedron.

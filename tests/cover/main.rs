@@ -6,6 +6,7 @@
 )]
 
 mod campaign;
+mod capsules;
 mod cases;
 mod far;
 mod meshes;
