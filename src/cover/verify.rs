@@ -23,10 +23,15 @@ pub enum Coverage {
         /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
         point: DVec3,
     },
-    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
-    /// a shape that is a point), they would contain it. Meshes with gaps are an
-    /// exception where planes between spheres agree to rounding. Round shapes are another one, where many
-    /// spheres meet so near to their surface that 262,144 pieces of it are not enough.
+    /// Neither is proven. If the spheres were larger by 3e-6 of the shape's diameter (by 3e-6 m, for
+    /// a shape that is a point), they would contain it. There are exceptions:
+    ///
+    /// - Meshes with gaps, where planes between spheres agree to rounding.
+    /// - Spheres much smaller than their neighbours.
+    /// - Spheres with too few digits for a verdict, see [`verify_cover`].
+    /// - Round shapes, where spheres meet so near to the surface that 262,144 pieces of it are not
+    ///   enough. A capsule with spheres on its axis needs no pieces.
+    /// - Shapes far from the origin of their frame, which rounding moves by up to 1e-13 of their distance.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -303,8 +308,8 @@ impl Balls {
     }
 }
 
-/// Returns `None` if each ball contains its share of a closed surface, with some spare; else the point of
-/// a share that is farthest out of its ball.
+/// Returns `None` if each ball contains its share of a closed surface, with some spare; else a point of a share that
+/// is out of its ball, the one that is farthest out of all balls.
 fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option<DVec3> {
     // Shares are rounded outward by less.
     const SHARES: f64 = 5e-11;
@@ -318,13 +323,21 @@ fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option
         return Some(first);
     }
     let mut scratch = CellScratch::default();
-    let mut worst = (0.0, None);
+    let out = |point: DVec3| {
+        let each = balls
+            .iter()
+            .map(|&(centre, radius)| point.distance(centre) - radius);
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let mut worst = (f64::NEG_INFINITY, None);
     for (own, &(centre, radius)) in balls.iter().enumerate() {
         scratch.form(surface, own, balls);
         for &point in &scratch.share.points {
-            let beyond = point.distance(centre) + spare + SHARES - radius;
-            if beyond > worst.0 {
-                worst = (beyond, Some(point));
+            if point.distance(centre) + spare + SHARES > radius {
+                let out = out(point);
+                if out > worst.0 {
+                    worst = (out, Some(point));
+                }
             }
         }
     }

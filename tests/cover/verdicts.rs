@@ -108,6 +108,25 @@ fn tight_spheres() {
     assert!((point.abs() - DVec3::new(0.5, 1.0, 2.0)).length() < 1e-9);
 }
 
+/// Two spheres nearly at one place: each end of a rod is farthest out of another one, and in doubt is
+/// the end that is out of both.
+#[test]
+fn spheres_nearly_at_one_place() {
+    let rod = Cuboid::new(Vector::new(0.5, 1e-7, 1e-7));
+    for gap in [1.2e-6, 1.5e-6, 1.9e-6] {
+        let left = DVec3::X * (-gap / 2.0 - 1e-8);
+        let spheres = [
+            sphere(left, 0.5 - gap / 2.0 + 1e-7),
+            sphere(left + DVec3::X * 0.99e-6, 0.5 - gap / 2.0 - 0.88e-6),
+        ];
+        let verdict = verify_cover(&spheres, &rod).unwrap();
+        let Coverage::Uncovered { point } = verdict else {
+            panic!("{gap}: {verdict:?}");
+        };
+        assert!(point.x > 0.499 && !is_in(point, &spheres), "{gap}: {point}");
+    }
+}
+
 /// Circles where neighbours touch the surface of a capsule: nothing to spare anywhere on them.
 #[test]
 fn tight_circles() {
