@@ -238,6 +238,30 @@ fn scaled_covers_contain_scaled_shapes() {
     assert_eq!(hitbox, Hitbox::from(doubled));
 }
 
+/// The centre of a scaled sphere is rounded, too.
+#[test]
+fn bounds_of_scaled_covers_are_bounds() {
+    for step in 1..200_u8 {
+        let place = Pose::translation(3.3 + f32::from(step), 0.7, -0.1);
+        let radius = 0.01;
+        let ball = Compound::new(vec![(place, SharedShape::new(Ball::new(radius)))]);
+        let cover = fit(&ball, 1);
+        let factor = 1.0 + f64::from(step) / 700.0;
+        let scaled = cover.scaled(factor).unwrap();
+        let (before, after) = (cover.spheres()[0], scaled.spheres()[0]);
+        // Differences of a product and a number near it, rounded once.
+        let moved = DVec3::from_array(std::array::from_fn(|axis| {
+            before.offset[axis].mul_add(factor, -after.offset[axis])
+        }));
+        let grown = -f64::from(radius).mul_add(factor, -after.radius);
+        let beyond = moved.length() + grown;
+        assert!(
+            beyond <= scaled.overshoot(),
+            "{step}: {beyond:e} {scaled:?}"
+        );
+    }
+}
+
 #[test]
 fn progress_ends_with_one() {
     let told = std::sync::Mutex::new(Vec::new());
