@@ -116,8 +116,7 @@ impl Mesh {
         self.nodes[own].after = self.nodes.len();
     }
 
-    /// Returns a point of the surface, the nearest one to rounding. Near a triangle that is a sliver, other points
-    /// of it may be nearer.
+    /// Returns a point of the surface: the nearest one to rounding, or to the height of a triangle that is a sliver.
     pub(super) fn nearest(&self, at: DVec3) -> DVec3 {
         let mut nearest = at;
         self.least_square(at, |corners, least| {
@@ -294,8 +293,16 @@ fn nearest_on_triangle([a, b, c]: [DVec3; 3], at: DVec3) -> DVec3 {
         return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     }
     let below = 1.0 / (va + vb + vc);
-    // The weights of a sliver are rounded by more than they are large. The point stays in the triangle.
+    // The weights of a sliver may be rounded by more than they are large. The point stays in the triangle, whatever
+    // they are: no case is known, nor ruled out.
     let weight = |weight: f64, most: f64| if weight > 0.0 { weight.min(most) } else { 0.0 };
     let along = weight(vb * below, 1.0);
-    a + ab * along + ac * weight(vc * below, 1.0 - along)
+    let on_face = a + ab * along + ac * weight(vc * below, 1.0 - along);
+    // It is far along the sliver, where a point of an edge is nearer.
+    let on_edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(edge, at));
+    let nearer = |one: DVec3, other: DVec3| {
+        let is_nearer = other.distance_squared(at) < one.distance_squared(at);
+        if is_nearer { other } else { one }
+    };
+    on_edges.into_iter().fold(on_face, nearer)
 }

@@ -222,3 +222,40 @@ fn diameter(forms: &[SolidForm]) -> f64 {
     });
     outermost.map(farthest).fold(single, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+
+    /// Places in needles of four triangles and near them, where neither the nearest point of a triangle nor the
+    /// side of the surface is easy to tell.
+    #[test]
+    fn distances_from_needles_are_certain() {
+        let mut random = Random::new(1, 0);
+        for trial in 0..3_000 {
+            let width = 10_f64.powf(-9.0 + 4.0 * random.unit());
+            let size = DVec3::new(1.0, width, width);
+            let points = (0..4).map(|_| random.point(-size, size)).collect();
+            let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+            let form = SolidForm::Mesh { points, triangles };
+            let solid = Solid::new(vec![(form, 0.0)]).unwrap();
+            let reach = DVec3::new(1.1, 1.5 * width, 1.5 * width);
+            let places: Vec<DVec3> = (0..20).map(|_| random.point(-reach, reach)).collect();
+            let local: Vec<DVec3> = places
+                .iter()
+                .map(|&place| (place - solid.origin) / solid.unit)
+                .collect();
+            let distances = solid.certain_distances(&local);
+            for (place, distance) in places.into_iter().zip(distances) {
+                // The needle is in a box, which is farther away.
+                let of_box = (place.abs() - size).max_element();
+                let distance = distance * solid.unit;
+                assert!(
+                    distance >= of_box,
+                    "{trial} {width:e}: {place} {distance:e} {of_box:e}"
+                );
+            }
+        }
+    }
+}
