@@ -54,6 +54,22 @@ fn corners_far_away_are_rounded() {
     }
 }
 
+/// A ball that its place rounds to the left, and a sphere around it that is rounded to the right.
+#[test]
+fn spheres_beside_rounded_boxes() {
+    let ulp = 2_f64.powi(-19);
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "any number near it will do"
+    )]
+    let end = Vector::X * (0.49 * ulp) as f32;
+    let ball = SharedShape::new(Capsule::new(end, end, 1e-9));
+    let shape = Compound::new(vec![(Pose::translation(1e10, 0.0, 0.0), ball)]);
+    let verdict = verdict(&shape, DVec3::X * (1e10 + ulp), 0.52 * ulp);
+    let is_right = matches!(verdict, Coverage::Covered | Coverage::Undecided { .. });
+    assert!(is_right, "{verdict:?}");
+}
+
 /// Spheres whose numbers overflow in the unit of a small shape.
 #[test]
 fn spheres_beyond_all_numbers() {
