@@ -20,7 +20,8 @@ pub enum Coverage {
     Covered,
     /// The shape has a point that no sphere contains.
     Uncovered {
-        /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
+        /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter, and 1e-13 of
+        /// its distance from the origin of its frame.
         point: DVec3,
     },
     /// Neither is proven. If the spheres were larger by 3e-6 of the shape's diameter (by 3e-6 m, for
@@ -47,14 +48,15 @@ const CERTAIN: f64 = 1e-9;
 /// Pieces of one generation; more are not halved.
 const MAX_PIECES: usize = 1 << 18;
 
-/// Spheres this many times larger than the shape have too few digits for a verdict.
-const TOO_LARGE: f64 = 1e4;
+/// Spheres this many times larger than the shape have too few digits for a verdict: the planes between larger
+/// ones may be off by more than shares are enlarged.
+const TOO_LARGE: f64 = 1e3;
 
 /// Returns a verdict on spheres that should contain a shape: a user's own, or another tool's.
 ///
 /// Shapes without interior are asked for their surface.
 ///
-/// A sphere more than ten thousand times larger than the shape, whose surface passes the shape's box,
+/// A sphere more than a thousand times larger than the shape, whose surface passes the shape's box,
 /// has too few digits for a verdict: the answer is then `Undecided`. So it is beside a sphere whose numbers would
 /// overflow if the shape were scaled to a size of 1.
 ///

@@ -146,15 +146,16 @@ fn spheres_of_all_kinds() {
     let far = sphere(DVec3::splat(1e300), 1.0);
     let around = sphere(DVec3::new(1e6, 0.0, 0.0), 2e6);
     let dull = sphere(DVec3::new(1e9, 0.0, 0.0), 1e9);
+    let large = sphere(DVec3::X * 2e4, 2e4);
     let inner = sphere(DVec3::ZERO, 0.5);
     let verdict = |spheres: &[Sphere]| verify_cover(spheres, &brick()).unwrap();
     assert!(matches!(verdict(&[far, inner]), Coverage::Uncovered { .. }));
     assert_eq!(verdict(&[far, around, inner]), Coverage::Covered);
     // Its surface passes the box, where its digits do not say on which side.
-    assert!(matches!(
-        verdict(&[dull, inner]),
-        Coverage::Undecided { .. }
-    ));
+    for outer in [dull, large] {
+        let verdict = verdict(&[outer, inner]);
+        assert!(matches!(verdict, Coverage::Undecided { .. }), "{outer:?}");
+    }
     // Spheres around one centre, one twice.
     let whole = sphere(DVec3::ZERO, 2.3);
     assert_eq!(verdict(&[inner, whole, whole, inner]), Coverage::Covered);
