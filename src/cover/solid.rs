@@ -239,7 +239,9 @@ mod tests {
             let points = (0..4).map(|_| random.point(-size, size)).collect();
             let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
             let form = SolidForm::Mesh { points, triangles };
-            let solid = Solid::new(vec![(form, 0.0)]).unwrap();
+            let Some(solid) = Solid::new(vec![(form, 0.0)]) else {
+                unreachable!()
+            };
             let reach = DVec3::new(1.1, 1.5 * width, 1.5 * width);
             let places: Vec<DVec3> = (0..20).map(|_| random.point(-reach, reach)).collect();
             let local: Vec<DVec3> = places
