@@ -1,5 +1,6 @@
 //! Triangle meshes: the nearest point of the surface, and which side a point is on.
 
+use super::convex::nearest_on_segment;
 use super::surface::{Surface, is_closed};
 use glam::DVec3;
 
@@ -115,9 +116,30 @@ impl Mesh {
         self.nodes[own].after = self.nodes.len();
     }
 
-    /// Returns the nearest point of the surface.
+    /// Returns a point of the surface: the nearest one to rounding, or to the height of a triangle that is a sliver.
     pub(super) fn nearest(&self, at: DVec3) -> DVec3 {
-        let (mut nearest, mut square) = (at, f64::INFINITY);
+        let mut nearest = at;
+        self.least_square(at, |corners, least| {
+            let point = nearest_on_triangle(corners, at);
+            let square = point.distance_squared(at);
+            if square < least {
+                nearest = point;
+            }
+            square
+        });
+        nearest
+    }
+
+    /// Returns a distance that no point of the surface is nearer than, rounding apart.
+    pub(super) fn clear_distance(&self, at: DVec3) -> f64 {
+        let of_triangle = |corners, _| clear_distance(corners, at).powi(2);
+        self.least_square(at, of_triangle).sqrt()
+    }
+
+    /// Returns the least square of a distance of the triangles, given by a function that gets the least one so far;
+    /// of boxes farther away none is asked for.
+    fn least_square(&self, at: DVec3, mut of_triangle: impl FnMut([DVec3; 3], f64) -> f64) -> f64 {
+        let mut square = f64::INFINITY;
         let distance = |node: &Node| at.distance_squared(at.clamp(node.low, node.high));
         let mut waiting = vec![0];
         while let Some(number) = waiting.pop() {
@@ -130,11 +152,7 @@ impl Mesh {
             };
             if node.end - node.first <= LEAF {
                 for triangle in &self.triangles[node.first..node.end] {
-                    let point = nearest_on_triangle(self.corners(triangle), at);
-                    let found = point.distance_squared(at);
-                    if found < square {
-                        (nearest, square) = (point, found);
-                    }
+                    square = square.min(of_triangle(self.corners(triangle), square));
                 }
                 continue;
             }
@@ -147,7 +165,7 @@ impl Mesh {
                 waiting.extend([lower, upper]);
             }
         }
-        nearest
+        square
     }
 
     /// Returns the number of times that the surface winds around a point, 0 for a mesh that is not closed.
@@ -225,6 +243,24 @@ fn weld(points: &[DVec3], triangles: &mut [[usize; 3]]) {
     }
 }
 
+/// Returns a distance that no point of a triangle is nearer to a place than, rounding apart.
+///
+/// Along any direction all of the triangle is at least as far as the nearest of its corners. The direction to the
+/// nearest point shows the whole distance. It is the normal of the triangle, or leads to an edge. No weights of the
+/// corners are needed, which a sliver does not yield; and a normal that is wrong makes the bound less, not wrong.
+fn clear_distance([a, b, c]: [DVec3; 3], at: DVec3) -> f64 {
+    let ways = [a, b, c].map(|corner| corner - at);
+    let normal = (b - a).cross(c - a);
+    let to_edge = |from, to| nearest_on_segment([from, to], at) - at;
+    let directions = [normal, -normal, to_edge(a, b), to_edge(b, c), to_edge(c, a)];
+    let shown = directions.map(|direction| {
+        let direction = direction.normalize_or_zero();
+        let along = ways.map(|way| way.dot(direction));
+        along.into_iter().fold(f64::INFINITY, f64::min)
+    });
+    shown.into_iter().fold(0.0, f64::max)
+}
+
 /// Returns the point of a triangle that is nearest to a place.
 ///
 /// C. Ericson: Real-Time Collision Detection (2005), section 5.1.5.
@@ -257,5 +293,16 @@ fn nearest_on_triangle([a, b, c]: [DVec3; 3], at: DVec3) -> DVec3 {
         return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     }
     let below = 1.0 / (va + vb + vc);
-    a + ab * (vb * below) + ac * (vc * below)
+    // The weights of a sliver may be rounded by more than they are large. The point stays in the triangle, whatever
+    // they are: no case is known, nor ruled out.
+    let weight = |weight: f64, most: f64| if weight > 0.0 { weight.min(most) } else { 0.0 };
+    let along = weight(vb * below, 1.0);
+    let on_face = a + ab * along + ac * weight(vc * below, 1.0 - along);
+    // It is far along the sliver, where a point of an edge is nearer.
+    let on_edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(edge, at));
+    let nearer = |one: DVec3, other: DVec3| {
+        let is_nearer = other.distance_squared(at) < one.distance_squared(at);
+        if is_nearer { other } else { one }
+    };
+    on_edges.into_iter().fold(on_face, nearer)
 }

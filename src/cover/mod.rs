@@ -47,12 +47,12 @@
 //!    polygons bound (`convex`): so radii are enlarged by that, once.
 //! 6. **Overshoot.** A ball reaches out by at most r + phi(c). The depth of a point in a hull is its
 //!    least distance from the planes of the faces, moved inward until the faces, which f32 bends,
-//!    lie outside of them; in a round form it is a formula; in a mesh it is the distance of the nearest
-//!    triangle, with the side found by the sum of solid angles. The depth in a compound is the depth
-//!    in one of its parts, a lower bound.
+//!    lie outside of them; in a round form it is a formula. In a mesh it is the least distance that a plane
+//!    shows between the point and a triangle; the side is found by the sum of solid angles. The depth in a
+//!    compound is the depth in one of its parts, a lower bound.
 //!
-//! A verdict (`verify`) is the same proof for given radii. Round forms are cut into wedges for it
-//! (`wedge`), halved where the proof fails, until the polyhedra are within 1e-7 of the diameter.
+//! A verdict (`verify`) is the same proof for given radii. A capsule in balls along its axis is proven by a formula.
+//! Other round forms are cut into wedges (`wedge`), halved where the proof fails, until the polyhedra are within 1e-7 of the diameter.
 //! A corner of a share that is outside of its ball is moved into the form. If it is then outside of
 //! all balls, it is the point that is uncovered.
 

@@ -141,14 +141,19 @@ impl Solid {
 
     /// Returns, for each place, an upper bound of the signed distance that holds without exception.
     pub(super) fn certain_distances(&self, places: &[DVec3]) -> Vec<f64> {
+        // Nearer to the surface the side may be wrong. At this distance the angle of a sliver that passes the
+        // place is off by 0.0002. A wrong side takes 2 pi: 30,000 such slivers.
+        const NO_SIDE: f64 = 1e-5;
         let one = |(): &mut (), place: usize| {
             let at = places[place];
             let distances = self.parts.iter().map(|part| match part {
                 SolidPart::Mesh(mesh) => {
-                    let distance = mesh.nearest(at).distance(at);
-                    // Within rounding of the surface the side does not matter.
-                    let inside = mesh.winding(at).abs() >= 0.5;
-                    if inside { -distance } else { distance }
+                    let depth = mesh.clear_distance(at);
+                    if depth > NO_SIDE && mesh.winding(at).abs() >= 0.5 {
+                        -depth
+                    } else {
+                        mesh.nearest(at).distance(at)
+                    }
                 }
                 SolidPart::Convex(convex) => convex.signed_distance(at).0,
             });
@@ -216,4 +221,43 @@ fn diameter(forms: &[SolidForm]) -> f64 {
         points.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)))
     });
     outermost.map(farthest).fold(single, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+
+    /// Places in needles of four triangles and near them, where neither the nearest point of a triangle nor the
+    /// side of the surface is easy to tell.
+    #[test]
+    fn distances_from_needles_are_certain() {
+        let mut random = Random::new(1, 0);
+        for trial in 0..3_000 {
+            let width = 10_f64.powf(-9.0 + 4.0 * random.unit());
+            let size = DVec3::new(1.0, width, width);
+            let points = (0..4).map(|_| random.point(-size, size)).collect();
+            let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+            let form = SolidForm::Mesh { points, triangles };
+            let Some(solid) = Solid::new(vec![(form, 0.0)]) else {
+                unreachable!()
+            };
+            let reach = DVec3::new(1.1, 1.5 * width, 1.5 * width);
+            let places: Vec<DVec3> = (0..20).map(|_| random.point(-reach, reach)).collect();
+            let local: Vec<DVec3> = places
+                .iter()
+                .map(|&place| (place - solid.origin) / solid.unit)
+                .collect();
+            let distances = solid.certain_distances(&local);
+            for (place, distance) in places.into_iter().zip(distances) {
+                // The needle is in a box, which is farther away.
+                let of_box = (place.abs() - size).max_element();
+                let distance = distance * solid.unit;
+                assert!(
+                    distance >= of_box,
+                    "{trial} {width:e}: {place} {distance:e} {of_box:e}"
+                );
+            }
+        }
+    }
 }

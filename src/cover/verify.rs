@@ -20,12 +20,19 @@ pub enum Coverage {
     Covered,
     /// The shape has a point that no sphere contains.
     Uncovered {
-        /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter.
+        /// The point in the shape's frame, m. It is in the shape to 1e-10 of the shape's diameter, and 1e-13 of
+        /// its distance from the origin of its frame.
         point: DVec3,
     },
-    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
-    /// a shape that is a point), they would contain it. Meshes with gaps are an
-    /// exception where planes between spheres agree to rounding.
+    /// Neither is proven. If the spheres were larger by 3e-6 of the shape's diameter (by 3e-6 m, for
+    /// a shape that is a point), they would contain it. There are exceptions:
+    ///
+    /// - Meshes with gaps, where planes between spheres agree to rounding.
+    /// - Spheres much smaller than their neighbours.
+    /// - Spheres with too few digits for a verdict, see [`verify_cover`].
+    /// - Round shapes, where spheres meet so near to the surface that 262,144 pieces of it are not
+    ///   enough. A capsule with spheres on its axis needs no pieces.
+    /// - Shapes far from the origin of their frame, which rounding moves by up to 1e-13 of their distance.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
         point: DVec3,
@@ -38,18 +45,20 @@ const FINEST: f64 = 1e-7;
 /// A point that is outside of all balls by less than this may be in one, in the solid's unit.
 const CERTAIN: f64 = 1e-9;
 
-/// Pieces of one generation; more are not looked at.
+/// Pieces of one generation; more are not halved.
 const MAX_PIECES: usize = 1 << 18;
 
-/// Spheres this many times larger than the shape have too few digits for a verdict.
-const TOO_LARGE: f64 = 1e4;
+/// Spheres this many times larger than the shape have too few digits for a verdict: the planes between larger
+/// ones may be off by more than shares are enlarged.
+const TOO_LARGE: f64 = 1e3;
 
 /// Returns a verdict on spheres that should contain a shape: a user's own, or another tool's.
 ///
 /// Shapes without interior are asked for their surface.
 ///
-/// A sphere more than ten thousand times larger than the shape, whose surface passes the shape's box,
-/// has too few digits for a verdict: the answer is then `Undecided`.
+/// A sphere more than a thousand times larger than the shape, whose surface passes the shape's box,
+/// has too few digits for a verdict: the answer is then `Undecided`. So it is beside a sphere whose numbers would
+/// overflow if the shape were scaled to a size of 1.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
@@ -104,12 +113,18 @@ impl Balls {
     fn add(&mut self, solid: &Solid, sphere: &Sphere) {
         let centre = (sphere.offset - solid.origin) / solid.unit;
         let radius = sphere.radius / solid.unit;
+        if !(centre.is_finite() && radius.is_finite()) {
+            self.vague = true;
+            return;
+        }
         let rounding = 8.0 * f64::EPSILON * (crate::rounding::norm(centre) + radius);
+        // The box is rounded as the shape's points are.
+        let margin = rounding + solid.rounding;
         let nearest = crate::rounding::norm(centre - centre.clamp(solid.low, solid.high));
         let farthest = (centre - solid.low).abs().max((centre - solid.high).abs());
-        if crate::rounding::norm(farthest) + rounding <= radius {
+        if crate::rounding::norm(farthest) + margin <= radius {
             self.contain_all = true;
-        } else if nearest - rounding > radius {
+        } else if nearest - margin > radius {
             // It contains nothing.
         } else if radius.max(crate::rounding::norm(centre)) > TOO_LARGE {
             self.vague = true;
@@ -165,10 +180,11 @@ impl Balls {
         verdict
     }
 
-    /// Returns true if a point is certainly outside of all balls.
-    fn are_left_out(&self, point: DVec3) -> bool {
+    /// Returns true if a point of the solid is certainly outside of all balls.
+    fn are_left_out(&self, solid: &Solid, point: DVec3) -> bool {
+        let margin = CERTAIN + solid.rounding + self.rounding;
         let mut balls = self.balls.iter();
-        balls.all(|&(centre, radius)| point.distance(centre) > radius + CERTAIN + self.rounding)
+        balls.all(|&(centre, radius)| point.distance(centre) > radius + margin)
     }
 
     fn of_polyhedron(&self, solid: &Solid, part: &SolidPart) -> Coverage {
@@ -183,7 +199,7 @@ impl Balls {
         let spare = solid.rounding + solid.unevenness + self.rounding;
         match farthest_out(&part.surface(4), &self.balls, spare) {
             None => Coverage::Covered,
-            Some(point) if self.are_left_out(point) && is_in_part(point) => {
+            Some(point) if self.are_left_out(solid, point) && is_in_part(point) => {
                 Coverage::Uncovered { point }
             }
             Some(point) => Coverage::Undecided { point },
@@ -195,7 +211,13 @@ impl Balls {
         if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
         }
-        let finest = FINEST * solid.diameter;
+        if let SolidForm::Capsule { ends, radius } = form
+            && self.contain_along_axis(*ends, *radius, 4.0 * spare)
+        {
+            return Coverage::Covered;
+        }
+        // Smaller pieces would not help against rounding.
+        let finest = (FINEST * solid.diameter).max(spare);
         let mut undecided = None;
         let mut pieces: Vec<(Wedge, Vec<usize>)> = wedges(form)
             .into_iter()
@@ -211,7 +233,7 @@ impl Balls {
                     continue;
                 };
                 let point = into(form, point);
-                if self.are_left_out(point) {
+                if self.are_left_out(solid, point) {
                     return Coverage::Uncovered { point };
                 }
                 // A point's pieces are points.
@@ -224,6 +246,43 @@ impl Balls {
             pieces = next;
         }
         undecided.map_or(Coverage::Covered, |point| Coverage::Undecided { point })
+    }
+
+    /// Returns true if the balls contain a capsule for this reason: each end of the axis, with the capsule's radius
+    /// around it, is in one ball, and each point between is the middle of a disc across the axis, of the same
+    /// radius, that is in one ball. Where balls meet just outside of the capsule, all along circles, pieces would
+    /// have to be as small as the distance.
+    ///
+    /// A ball of radius R, whose centre is beside the axis, contains one on the axis of the radius R less the
+    /// distance. Discs of radius r are in that one up to sqrt(R² - r²) along the axis.
+    fn contain_along_axis(&self, ends: [DVec3; 2], radius: f64, spare: f64) -> bool {
+        let way = ends[1] - ends[0];
+        let (length, axis) = (way.length(), way.normalize_or_zero());
+        let on_axis = self.balls.iter().filter_map(|&(centre, own)| {
+            let from_end = centre - ends[0];
+            let along = from_end.dot(axis);
+            let beside = from_end.distance(axis * along);
+            let excess = own - beside - radius - spare;
+            (excess >= 0.0).then_some((along, excess))
+        });
+        let on_axis: Vec<(f64, f64)> = on_axis.collect();
+        let is_in_one = |end: f64| {
+            let mut balls = on_axis.iter();
+            balls.any(|&(along, excess)| (end - along).abs() + spare <= excess)
+        };
+        let reach = |&(along, excess): &(f64, f64)| {
+            let reach = (excess * (excess + 2.0 * radius)).sqrt() - spare;
+            (along - reach, along + reach)
+        };
+        let mut discs: Vec<(f64, f64)> = on_axis.iter().map(reach).collect();
+        discs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut reached = 0.0;
+        for (from, to) in discs {
+            if from <= reached {
+                reached = to.max(reached);
+            }
+        }
+        is_in_one(0.0) && is_in_one(length) && reached >= length
     }
 
     /// Returns those of some balls that may have the least power somewhere in a polyhedron.
@@ -251,8 +310,8 @@ impl Balls {
     }
 }
 
-/// Returns `None` if each ball contains its share of a closed surface, with some spare; else the point of
-/// a share that is farthest out of its ball.
+/// Returns `None` if each ball contains its share of a closed surface, with some spare; else a point of a share that
+/// is out of its ball, the one that is farthest out of all balls.
 fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option<DVec3> {
     // Shares are rounded outward by less.
     const SHARES: f64 = 5e-11;
@@ -266,13 +325,21 @@ fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option
         return Some(first);
     }
     let mut scratch = CellScratch::default();
-    let mut worst = (0.0, None);
+    let out = |point: DVec3| {
+        let each = balls
+            .iter()
+            .map(|&(centre, radius)| point.distance(centre) - radius);
+        each.fold(f64::INFINITY, f64::min)
+    };
+    let mut worst = (f64::NEG_INFINITY, None);
     for (own, &(centre, radius)) in balls.iter().enumerate() {
         scratch.form(surface, own, balls);
         for &point in &scratch.share.points {
-            let beyond = point.distance(centre) + spare + SHARES - radius;
-            if beyond > worst.0 {
-                worst = (beyond, Some(point));
+            if point.distance(centre) + spare + SHARES > radius {
+                let out = out(point);
+                if out > worst.0 {
+                    worst = (out, Some(point));
+                }
             }
         }
     }

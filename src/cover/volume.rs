@@ -2,10 +2,16 @@
 
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
 
-/// Lines each way.
+/// Lines each way through a solid.
 const LINES: usize = 256;
+
+/// Lines through all balls, about.
+const ALL_LINES: usize = 1 << 18;
+
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// The lines through a box, upward.
 struct LineGrid {
@@ -18,44 +24,100 @@ struct LineGrid {
 /// Returns the volume of the union of some balls over that of a solid, `None` if the solid has no
 /// volume.
 pub(super) fn ratio(solid: &Solid, balls: &[(DVec3, f64)]) -> Option<f64> {
-    let volume = of_solid(solid);
-    (solid.is_volume() && volume > 1e-12 * solid.diameter.powi(3)).then(|| of_balls(balls) / volume)
+    let volume = solid.is_volume().then(|| of_solid(solid))?;
+    (volume > 1e-12 * solid.diameter.powi(3)).then(|| of_balls(balls) / volume)
 }
 
 fn of_solid(solid: &Solid) -> f64 {
-    if let [part] = &solid.parts[..] {
-        let formula = match part {
-            SolidPart::Convex(convex) => convex.form().volume(),
-            SolidPart::Mesh(_) => None,
-        };
-        return formula.unwrap_or_else(|| part.surface(4).volume().abs());
-    }
     let mut lines = LineGrid::through(solid.low, solid.high);
-    for surface in solid.surfaces(64) {
-        lines.add_surface(&surface);
+    if let [part] = &solid.parts[..] {
+        if let SolidPart::Convex(convex) = part
+            && let Some(volume) = convex.form().volume()
+        {
+            return volume;
+        }
+        let surface = part.surface(4);
+        if lines.add_surface(&surface) {
+            return surface.volume().abs();
+        }
+    } else {
+        for surface in solid.surfaces(64) {
+            lines.add_surface(&surface);
+        }
     }
     lines.volume()
 }
 
+/// Returns the volume of a union: the sum of the balls' shares, each summed along lines through its ball.
+/// A share is what of the ball has the least power with respect to it. So thin rows of balls need no more lines.
 fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
     if let [(_, radius)] = balls {
-        return 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        return 4.0 / 3.0 * PI * radius.powi(3);
     }
-    let low = balls.iter().map(|&(centre, radius)| centre - radius);
-    let high = balls.iter().map(|&(centre, radius)| centre + radius);
-    let mut lines = LineGrid::through(
-        low.fold(DVec3::INFINITY, DVec3::min),
-        high.fold(DVec3::NEG_INFINITY, DVec3::max),
-    );
-    for &(centre, radius) in balls {
-        lines.visit(centre - radius, centre + radius, |at, within| {
-            let square = radius * radius - (at - centre).truncate().length_squared();
-            if square > 0.0 {
-                within.push((centre.z - square.sqrt(), centre.z + square.sqrt()));
-            }
+    let lines = (ALL_LINES / balls.len()).clamp(256, 16_384);
+    #[allow(clippy::cast_precision_loss, reason = "small counts")]
+    let count = lines as f64;
+    // Rings of one area, by the golden angle: nothing repeats along a plane.
+    let line = |number: usize| {
+        #[allow(clippy::cast_precision_loss, reason = "small counts")]
+        let number = number as f64;
+        let square = (number + 0.5) / count;
+        let place = DVec2::from_angle(GOLDEN_ANGLE * number) * square.sqrt();
+        (place, (1.0 - square).sqrt())
+    };
+    let lines: Vec<(DVec2, f64)> = (0..lines).map(line).collect();
+    let of_share = |own: usize| {
+        let radius = balls[own].1;
+        let Some(half_spaces) = half_spaces_of_share(own, balls) else {
+            return 0.0;
+        };
+        #[allow(clippy::cast_precision_loss, reason = "small counts")]
+        let turn = DVec2::from_angle(own as f64);
+        let each = lines.iter().map(|&(place, half)| {
+            let place = place.rotate(turn) * radius;
+            within(place, half * radius, &half_spaces)
         });
+        each.sum::<f64>() * PI * radius * radius / count
+    };
+    (0..balls.len()).map(of_share).sum()
+}
+
+/// Returns the half-spaces `normal . x <= offset` around a ball's centre that cut its share, `None` if the share is
+/// empty. Of equal balls the first has it.
+fn half_spaces_of_share(own: usize, balls: &[(DVec3, f64)]) -> Option<Vec<(DVec3, f64)>> {
+    let (centre, radius) = balls[own];
+    let mut half_spaces = Vec::new();
+    for (number, &(other, other_radius)) in balls.iter().enumerate() {
+        let normal = other - centre;
+        let squares = (radius - other_radius) * (radius + other_radius);
+        let offset = f64::midpoint(normal.length_squared(), squares);
+        let reach = normal.length() * radius;
+        let is_first = offset > -reach || (offset >= -reach && own <= number);
+        if !is_first {
+            return None;
+        }
+        if offset < reach {
+            half_spaces.push((normal, offset));
+        }
     }
-    lines.volume()
+    Some(half_spaces)
+}
+
+/// Returns the length of a line along z that is within half-spaces, up to a height and down to its
+/// opposite.
+fn within(place: DVec2, height: f64, half_spaces: &[(DVec3, f64)]) -> f64 {
+    let (mut low, mut high) = (-height, height);
+    for &(normal, offset) in half_spaces {
+        let rest = offset - normal.truncate().dot(place);
+        if normal.z > 0.0 {
+            high = high.min(rest / normal.z);
+        } else if normal.z < 0.0 {
+            low = low.max(rest / normal.z);
+        } else if rest < 0.0 {
+            return 0.0;
+        }
+    }
+    (high - low).max(0.0)
 }
 
 impl LineGrid {
@@ -95,8 +157,8 @@ impl LineGrid {
         }
     }
 
-    /// Adds what a closed surface bounds.
-    fn add_surface(&mut self, surface: &Surface) {
+    /// Adds what a closed surface winds around. Returns true if it winds around all of that once, in one direction.
+    fn add_surface(&mut self, surface: &Surface) -> bool {
         let mut crossings = Self::through(self.low, self.low + self.step * LINES as f64);
         for polygon in surface.polygons() {
             let first = surface.points[polygon[0]];
@@ -105,6 +167,7 @@ impl LineGrid {
                 crossings.add_crossings([first, a, b]);
             }
         }
+        let (mut least, mut most) = (0.0_f64, 0.0_f64);
         for (within, mut crossed) in self.within.iter_mut().zip(crossings.within) {
             crossed.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (mut winding, mut start) = (0.0, 0.0);
@@ -113,11 +176,13 @@ impl LineGrid {
                     start = height;
                 }
                 winding += sign;
+                (least, most) = (least.min(winding), most.max(winding));
                 if winding == 0.0 {
                     within.push((start, height));
                 }
             }
         }
+        most - least <= 1.0
     }
 
     /// Notes where lines cross a triangle, 1 upward and -1 downward.

@@ -6,9 +6,12 @@
 )]
 
 mod campaign;
+mod capsules;
 mod cases;
+mod far;
 mod meshes;
 mod verdicts;
+mod volumes;
 
 use cases::{Case, cases, other_diagonals, rounded_torus, torus};
 use nearmiss::glam::DVec3;
@@ -157,21 +160,6 @@ fn as_few_spheres_as_reach_a_target() {
 }
 
 #[test]
-fn volumes_compare() {
-    let cover = fit(&brick(), 1);
-    let expected = 4.0 / 3.0 * std::f64::consts::PI * 5.25_f64.powf(1.5) / 8.0;
-    assert!((cover.volume_ratio().unwrap() - expected).abs() < 1e-6);
-    // Two boxes that overlap by half: 1.5 times the volume of one.
-    let half = |x: f32| (Pose::translation(x, 0.0, 0.0), SharedShape::new(brick()));
-    let compound = Compound::new(vec![half(0.0), half(0.5)]);
-    let cover = fit(&compound, 1);
-    let ratio = cover.volume_ratio().unwrap();
-    let radius = cover.spheres()[0].radius;
-    let expected = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) / 12.0;
-    assert!((ratio / expected - 1.0).abs() < 0.01, "{ratio}, {expected}");
-}
-
-#[test]
 fn open_meshes_are_covered_as_surfaces() {
     let of_sheet = |(case, _): &&(Case, SphereCover)| case.name == "sheet";
     let (_, cover) = covers().iter().find(of_sheet).unwrap();
@@ -248,6 +236,30 @@ fn scaled_covers_contain_scaled_shapes() {
     let hitbox = Hitbox::from(&doubled);
     assert_eq!(hitbox.spheres(), doubled.spheres());
     assert_eq!(hitbox, Hitbox::from(doubled));
+}
+
+/// The centre of a scaled sphere is rounded, too.
+#[test]
+fn bounds_of_scaled_covers_are_bounds() {
+    for step in 1..200_u8 {
+        let place = Pose::translation(3.3 + f32::from(step), 0.7, -0.1);
+        let radius = 0.01;
+        let ball = Compound::new(vec![(place, SharedShape::new(Ball::new(radius)))]);
+        let cover = fit(&ball, 1);
+        let factor = 1.0 + f64::from(step) / 700.0;
+        let scaled = cover.scaled(factor).unwrap();
+        let (before, after) = (cover.spheres()[0], scaled.spheres()[0]);
+        // Differences of a product and a number near it, rounded once.
+        let moved = DVec3::from_array(std::array::from_fn(|axis| {
+            before.offset[axis].mul_add(factor, -after.offset[axis])
+        }));
+        let grown = -f64::from(radius).mul_add(factor, -after.radius);
+        let beyond = moved.length() + grown;
+        assert!(
+            beyond <= scaled.overshoot(),
+            "{step}: {beyond:e} {scaled:?}"
+        );
+    }
 }
 
 #[test]

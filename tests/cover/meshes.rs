@@ -367,3 +367,29 @@ fn flat_boxes_may_be_turned() {
         }
     }
 }
+
+/// Needles of four triangles: the bound holds across them, where the nearest points of triangles are hard to
+/// tell.
+#[test]
+fn overshoots_of_needles_are_bounds() {
+    let mut random = seeded(5);
+    for trial in 0..500 {
+        let width = 10_f32.powf(random.random_range(-8.5..-6.0));
+        let size = Vector::new(1.0, width, width);
+        let mut corner =
+            || size * Vector::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)));
+        let points: Vec<Vector> = std::iter::repeat_with(&mut corner).take(4).collect();
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let needle = TriMesh::new(points, triangles).unwrap();
+        let cover = fit(&needle, 1);
+        let sphere = cover.spheres()[0];
+        // The needle is in the rod of this radius around the axis.
+        let rod = 2_f64.sqrt() * f64::from(width);
+        let beyond = sphere.offset.y.hypot(sphere.offset.z) + sphere.radius - rod;
+        let overshoot = cover.overshoot();
+        assert!(beyond <= overshoot, "{trial} {width}: {beyond} {overshoot}");
+        let is_tight = overshoot <= beyond + 2.0 * rod + 2e-5;
+        assert!(is_tight, "{trial} {width}: {beyond} {overshoot}");
+        assert_eq!(cover.verify(&needle).unwrap(), Coverage::Covered);
+    }
+}

@@ -108,6 +108,25 @@ fn tight_spheres() {
     assert!((point.abs() - DVec3::new(0.5, 1.0, 2.0)).length() < 1e-9);
 }
 
+/// Two spheres nearly at one place: each end of a rod is farthest out of another one, and in doubt is
+/// the end that is out of both.
+#[test]
+fn spheres_nearly_at_one_place() {
+    let rod = Cuboid::new(Vector::new(0.5, 1e-7, 1e-7));
+    for gap in [1.2e-6, 1.5e-6, 1.9e-6] {
+        let left = DVec3::X * (-gap / 2.0 - 1e-8);
+        let spheres = [
+            sphere(left, 0.5 - gap / 2.0 + 1e-7),
+            sphere(left + DVec3::X * 0.99e-6, 0.5 - gap / 2.0 - 0.88e-6),
+        ];
+        let verdict = verify_cover(&spheres, &rod).unwrap();
+        let Coverage::Uncovered { point } = verdict else {
+            panic!("{gap}: {verdict:?}");
+        };
+        assert!(point.x > 0.499 && !is_in(point, &spheres), "{gap}: {point}");
+    }
+}
+
 /// Circles where neighbours touch the surface of a capsule: nothing to spare anywhere on them.
 #[test]
 fn tight_circles() {
@@ -127,15 +146,16 @@ fn spheres_of_all_kinds() {
     let far = sphere(DVec3::splat(1e300), 1.0);
     let around = sphere(DVec3::new(1e6, 0.0, 0.0), 2e6);
     let dull = sphere(DVec3::new(1e9, 0.0, 0.0), 1e9);
+    let large = sphere(DVec3::X * 2e4, 2e4);
     let inner = sphere(DVec3::ZERO, 0.5);
     let verdict = |spheres: &[Sphere]| verify_cover(spheres, &brick()).unwrap();
     assert!(matches!(verdict(&[far, inner]), Coverage::Uncovered { .. }));
     assert_eq!(verdict(&[far, around, inner]), Coverage::Covered);
     // Its surface passes the box, where its digits do not say on which side.
-    assert!(matches!(
-        verdict(&[dull, inner]),
-        Coverage::Undecided { .. }
-    ));
+    for outer in [dull, large] {
+        let verdict = verdict(&[outer, inner]);
+        assert!(matches!(verdict, Coverage::Undecided { .. }), "{outer:?}");
+    }
     // Spheres around one centre, one twice.
     let whole = sphere(DVec3::ZERO, 2.3);
     assert_eq!(verdict(&[inner, whole, whole, inner]), Coverage::Covered);
