@@ -241,8 +241,9 @@ impl Trajectory {
                 Form::Straight(own, _) => own.is_same_as(motion),
                 Form::Recent(recent) => recent.last().is_same_as(motion),
                 Form::Lists(lists) => {
-                    lists.after == Outside::Coast
-                        && lists.segments.beside()[1].straight() == motion.segment()
+                    let own = lists.segments.beside()[1].straight();
+                    let is_same = |own: StraightMotion| own.is_same_as(motion);
+                    lists.after == Outside::Coast && StraightMotion::of(&own).is_some_and(is_same)
                 }
             }
     }

@@ -4,7 +4,7 @@ use super::support::rng;
 use super::tracked::{LEVELS, LOOKAHEAD, Pair, Seen, any_state, are_same};
 use glam::DVec3;
 #[cfg(feature = "serde")]
-use nearmiss::Outside;
+use nearmiss::{AlertLevel, Outside};
 use nearmiss::{Body, BodyId, Budget, Error, Monitor, Quantity, Scene, State, Trajectory};
 use rand::RngExt;
 
@@ -214,6 +214,52 @@ fn trajectories_of_tracked_bodies_are_read_as_they_were_written() {
         .unwrap();
     are_same(&monitor, &pair.tracked, (0, 0));
     assert!(!monitor.conflicts(0).unwrap().is_empty());
+}
+
+/// A body that rests, and is told to rest there, keeps its plan: also one that was read from a file, and one whose plan
+/// ended at rest.
+#[cfg(feature = "serde")]
+#[test]
+fn a_body_told_to_rest_where_it_rests_is_not_changed() {
+    let state = |time: f64, x: f64, speed: f64| State::new(time, x * DVec3::X, speed * DVec3::X);
+    let watch = |states: [State; 2]| {
+        let plan = Trajectory::from_states(&states).unwrap();
+        let mut scene = Scene::new();
+        let body = Body::new(plan.with_outside(Outside::Coast));
+        let id = scene.insert(body).unwrap();
+        let monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
+        (monitor, id)
+    };
+    let (mut flying, id) = watch([state(0.0, 0.0, 1.0), state(1.0, 1.0, 1.0)]);
+    flying.advance(2.0, &mut Vec::new()).unwrap();
+    flying.track(2.0, [(id, state(2.0, 2.0, 0.0))]).unwrap();
+    flying.advance(3.0, &mut Vec::new()).unwrap();
+    let written = serde_json::to_string(&flying.snapshot()).unwrap();
+    let read = Monitor::restore(serde_json::from_str(&written).unwrap()).unwrap();
+    let (stopped, stopped_id) = watch([state(0.0, 0.0, 1.0), state(1.0, 1.0, 0.0)]);
+    for (mut monitor, id, x) in [
+        (flying, id, 2.0),
+        (read, id, 2.0),
+        (stopped, stopped_id, 1.0),
+    ] {
+        let knots = |monitor: &Monitor| {
+            monitor
+                .scene()
+                .body(id)
+                .unwrap()
+                .trajectory
+                .knots()
+                .to_vec()
+        };
+        let before = knots(&monitor);
+        monitor.track(4.0, [(id, state(4.0, x, 0.0))]).unwrap();
+        assert_eq!(knots(&monitor), before);
+        // Elsewhere is another plan.
+        monitor
+            .track(4.0, [(id, state(4.0, x + 1.0, 0.0))])
+            .unwrap();
+        assert_ne!(knots(&monitor), before);
+    }
 }
 
 /// As far, as fast and as long ago as numbers go: what one refuses, the other refuses, for the same reason.
