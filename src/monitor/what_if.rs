@@ -20,6 +20,8 @@ impl Monitor {
     ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
     /// - Without an orientation in the plan, the body turns as it does.
     /// - Changes since the last tick count. Before the first tick nothing is known, and nothing found.
+    /// - Numbers may differ from those after a real [`replan`](Self::replan) by rounding. A place that a body leaves by
+    ///   a jump at this very instant does not count.
     ///
     /// [`what_if_body`](Self::what_if_body) asks about a body that is not there yet.
     ///
