@@ -11,10 +11,11 @@ use glam::DVec3;
 /// Four numbers are read at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StraightMotion {
-    /// The position, m, and the time of the state, s.
+    /// The position, m, and the end of the motion's cubic, s: the duration from the state's time on is the unit of the
+    /// cubic's parameter.
     origin: [f64; 4],
-    /// The velocity, m/s, and the end of its cubic, s: the duration from the state's time on is the unit of the cubic's
-    /// parameter.
+    /// The velocity, m/s, and the time of the state, s. (Not the end, which is as far as numbers go where bodies rest:
+    /// the fourth number is multiplied as well.)
     velocity: [f64; 4],
 }
 
@@ -24,8 +25,8 @@ impl StraightMotion {
     /// Returns the motion from a position (m) with a velocity (m/s), between two instants (s).
     const fn until(position: DVec3, velocity: DVec3, [start, end]: [f64; 2]) -> Self {
         Self {
-            origin: [position.x, position.y, position.z, start],
-            velocity: [velocity.x, velocity.y, velocity.z, end],
+            origin: [position.x, position.y, position.z, end],
+            velocity: [velocity.x, velocity.y, velocity.z, start],
         }
     }
 
@@ -122,21 +123,21 @@ impl StraightMotion {
             position: self.origin(),
             velocity: self.velocity(),
         };
-        Segment::through(&state, self.velocity[3], 0.0)
+        Segment::through(&state, self.origin[3], 0.0)
     }
 
     /// Returns the time of the state, s.
     pub(crate) const fn start(&self) -> f64 {
-        self.origin[3]
+        self.velocity[3]
     }
 
     pub(super) const fn start_ref(&self) -> &f64 {
-        &self.origin[3]
+        &self.velocity[3]
     }
 
     /// Returns the duration of the cubic, s.
     pub(crate) fn duration(&self) -> f64 {
-        self.velocity[3] - self.origin[3]
+        self.origin[3] - self.velocity[3]
     }
 
     /// Returns the position at the time of the state, m.
