@@ -52,9 +52,9 @@
 //!    compound is the depth in one of its parts, a lower bound.
 //!
 //! A verdict (`verify`) is the same proof for given radii. A capsule in balls along its axis is proven by a formula.
-//! Other round forms are cut into wedges (`wedge`), halved where the proof fails, until the polyhedra are within 1e-7 of the diameter.
-//! A corner of a share that is outside of its ball is moved into the form. If it is then outside of
-//! all balls, it is the point that is uncovered.
+//! Other round forms are cut into wedges (`wedge`), halved where the proof fails, until the polyhedra are
+//! within 1e-7 of the diameter. A corner of a share that is outside of its ball is moved into the form. If it
+//! is then outside of all balls, it is the point that is uncovered.
 
 mod cells;
 mod certificate;
