@@ -33,8 +33,8 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
-use crate::simd::prefetch;
-use crate::trajectory::{StraightMotion, Trajectory};
+use crate::simd::{prefetch, prefetch_first};
+use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
 use std::slice::from_ref;
 
 /// A place for a body: three cache lines.
@@ -57,12 +57,12 @@ impl Slot {
     pub(crate) fn replace_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
-    ) -> Option<&Trajectory> {
+    ) -> Option<(&Trajectory, LastMotion)> {
         let entry = self.entry.as_mut()?;
         Some(entry.replace_as_usual((from, motion, since)))
     }
 
-    /// Prefetches what the body's motion has beside the record.
+    /// Prefetches what the body's motion has beside the first cache line of the record.
     pub(crate) fn prefetch_motion(&self) {
         if let Some(entry) = &self.entry {
             entry.body.trajectory.prefetch();
@@ -409,6 +409,13 @@ impl Scene {
     pub(crate) fn prefetch(&self, slot: u32) {
         if let Some(slot) = self.slots.get(slot as usize) {
             prefetch(from_ref(slot));
+        }
+    }
+
+    /// Prefetches the first cache line of a body: its motion begins there.
+    pub(crate) fn prefetch_first(&self, slot: u32) {
+        if let Some(slot) = self.slots.get(slot as usize) {
+            prefetch_first(slot);
         }
     }
 

@@ -7,6 +7,7 @@
     reason = "calling a function compiled for an instruction set is unsafe; each call is guarded by the detection of that set"
 )]
 
+use std::slice::from_ref;
 use std::sync::OnceLock;
 
 /// An instruction set for which work is compiled.
@@ -107,23 +108,35 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
 /// later in an unpredictable order.
 #[inline(always)]
 pub(crate) fn prefetch<T>(values: &[T]) {
+    const LINE: usize = 64;
+    let first = values.as_ptr().cast::<i8>();
+    let size = size_of_val(values);
+    // Values that begin within a line may end in one more than they would fill. It is fetched in any case:
+    // their number of lines is known then, and no branch is mispredicted.
+    let more = usize::from(align_of::<T>() < LINE);
+    for line in 0..size.div_ceil(LINE) + more {
+        let place = (line * LINE).min(size.saturating_sub(1));
+        prefetch_line(first.wrapping_add(place));
+    }
+}
+
+/// Prefetches the cache line in which a value begins.
+#[inline(always)]
+pub(crate) fn prefetch_first<T>(value: &T) {
+    prefetch_line(from_ref(value).as_ptr().cast());
+}
+
+/// Prefetches the cache line of an address.
+#[inline(always)]
+fn prefetch_line(address: *const i8) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        const LINE: usize = 64;
-        let first = values.as_ptr().cast::<i8>();
-        let size = size_of_val(values);
-        // Values that begin within a line may end in one more than they would fill. It is fetched in any case:
-        // their number of lines is known then, and no branch is mispredicted.
-        let more = usize::from(align_of::<T>() < LINE);
-        for line in 0..size.div_ceil(LINE) + more {
-            let place = (line * LINE).min(size.saturating_sub(1));
-            // SAFETY: a prefetch reads nothing that a program can see, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(place)) };
-        }
+        // SAFETY: a prefetch reads nothing that a program can see, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = values;
+    let _ = address;
 }
 
 /// Compiles a function with a loop for each instruction set; the set becomes its first parameter.

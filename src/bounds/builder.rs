@@ -81,6 +81,32 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         }
     }
 
+    /// Returns the bounds of a single straight piece that lasts for all of a slice.
+    #[inline(always)]
+    pub(super) fn straight(piece: &StraightPart, slice: &SliceInterval<MOVES>) -> Self {
+        let last = slice.relative_at(piece.last, 1.0);
+        let way = piece.last - piece.first;
+        // The line of a slice of no duration is a point.
+        let (change, aside) = if slice.rate > 0.0 {
+            (way, Vec4::ZERO)
+        } else {
+            (Vec4::ZERO, way)
+        };
+        Self {
+            low: piece.first.min(last),
+            high: piece.first.max(last),
+            spread: piece.spread,
+            splits: 0.0,
+            least: aside.min(Vec4::ZERO),
+            most: aside.max(Vec4::ZERO),
+            start: piece.first,
+            change,
+            line: piece.last,
+            share: 1.0,
+            slice: *slice,
+        }
+    }
+
     /// Starts a builder with a straight piece, on the line to the end of the last one.
     #[inline(always)]
     pub(super) fn along(

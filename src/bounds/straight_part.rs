@@ -30,24 +30,25 @@ impl StraightPart {
         // The fourth number of each has no meaning, and comes to nothing by this.
         let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
-        // A loop over four lanes: the compiler takes one instruction for all.
-        let (mut start, mut end, mut spread) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        // Loops over four lanes: the compiler takes one instruction for all.
+        let (mut first, mut last, mut error) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
-            let (first, last) = (velocity[lane] * since[0], velocity[lane] * since[1]);
-            let way = (last - first).abs();
-            // The larger displacement is half of this, which takes no comparison.
-            let twice = (last + first).abs() + way;
-            spread[lane] = (way + twice * (0.5 * ERROR)) * power[lane];
+            let moved = since.map(|since| velocity[lane] * since);
+            let [one, other] = moved.map(f64::abs);
+            let larger = if one > other { one } else { other };
+            error[lane] = nearest(larger * (ERROR * power[lane]));
             let offset = origin[lane] - middle[lane];
-            start[lane] = (offset + first) * power[lane];
-            end[lane] = (offset + last) * power[lane];
+            first[lane] = nearest((offset + moved[0]) * power[lane]);
+            last[lane] = nearest((offset + moved[1]) * power[lane]);
         }
-        let spread = (spread[0] + spread[2]) + (spread[1] + spread[3]);
-        let mut is_served = true;
-        for lane in start {
-            is_served &= lane.abs() + spread < FAR;
-        }
-        if !is_served {
+        let [first, last, error] = [first, last, error].map(Vec4::from_array);
+        let spread = (last - first).abs() + error;
+        let spread = (spread.x + spread.z) + (spread.y + spread.w);
+        // Also false where a number is none.
+        if !(first.abs() + spread)
+            .cmplt(Vec4::splat(nearest(FAR)))
+            .all()
+        {
             return Self {
                 first: Vec4::ZERO,
                 last: Vec4::ZERO,
@@ -56,15 +57,10 @@ impl StraightPart {
                 to,
             };
         }
-        let (mut first, mut last) = ([0.0; 4], [0.0; 4]);
-        for lane in 0..4 {
-            first[lane] = nearest(start[lane]);
-            last[lane] = nearest(end[lane]);
-        }
         Self {
-            first: Vec4::from_array(first),
-            last: Vec4::from_array(last),
-            spread: nearest(spread),
+            first,
+            last,
+            spread,
             from,
             to,
         }

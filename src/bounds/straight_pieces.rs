@@ -73,8 +73,7 @@ impl<'a> StraightPieces<'a> {
         let last = first + later.count();
         let (from, to) = (slice_interval.from, slice_interval.to);
         let builder = if first == last {
-            let whole = self.part(first, (from, to));
-            BoundsBuilder::along(&whole, &whole, slice_interval)
+            BoundsBuilder::straight(&self.part(first, (from, to)), slice_interval)
         } else {
             let head = self.part(first, (from, self.knots[first + 1]));
             let tail = self.part(last, (self.knots[last], to));

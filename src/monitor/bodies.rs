@@ -64,7 +64,8 @@ impl SourcesInPlace for BodyTable<'_> {
     }
 
     fn fetch_record(&self, body: u32) {
-        self.fetch(body);
+        self.scene.prefetch_first(body);
+        self.monitored.prefetch(body);
     }
 
     fn fetch_motion(&self, body: u32) {

@@ -6,7 +6,7 @@ use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
 use crate::scene::{Body, Scene};
 use crate::shape::BodyShape;
-use crate::simd::prefetch;
+use crate::simd::{prefetch, prefetch_first};
 use crate::trajectory::{Extension, LastMotion, Outside, StraightMotion, Trajectory};
 use crate::window::Window;
 use std::ops::Range;
@@ -79,6 +79,18 @@ impl MonitoredBody {
             self.follow(trajectory, window.end())?;
         }
         Ok(())
+    }
+
+    /// Takes a motion that [replaces](Trajectory::replace_as_usual) the last one of the plan, over `window`: it is
+    /// followed there, without pieces beyond it.
+    #[inline]
+    pub(super) fn replace(&mut self, trajectory: &Trajectory, last: LastMotion, window: Window) {
+        let knots = Knots::of(trajectory.cuts());
+        self.begin = window.start();
+        self.ends = knots.ends();
+        self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
+        self.last = last;
+        self.is_endless = true;
     }
 
     /// Returns the instant up to which a plan without end is followed, s; infinite for a plan with an end.
@@ -224,6 +236,21 @@ impl MonitoredBodies {
         Ok(())
     }
 
+    /// Takes a motion that [replaces](MonitoredBody::replace) the last one of the body in a slot.
+    #[inline]
+    pub(super) fn replace(
+        &mut self,
+        slot: u32,
+        trajectory: &Trajectory,
+        last: LastMotion,
+        window: Window,
+    ) {
+        if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
+            monitored.replace(trajectory, last, window);
+            self.until = self.until.min(monitored.until());
+        }
+    }
+
     /// Returns true if a motion certainly replaces the last one of the body in a slot: see
     /// [`MonitoredBody::is_replaced_by`].
     #[inline]
@@ -297,6 +324,13 @@ impl MonitoredBodies {
     pub(super) fn prefetch(&self, slot: u32) {
         if let Some(monitored) = self.by_slot.get(slot as usize) {
             prefetch(from_ref(monitored));
+        }
+    }
+
+    /// Fetches the facts about the plan of the body in a slot.
+    pub(super) fn prefetch_plan(&self, slot: u32) {
+        if let Some(monitored) = self.by_slot.get(slot as usize) {
+            prefetch_first(monitored);
         }
     }
 

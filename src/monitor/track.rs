@@ -188,7 +188,7 @@ impl Monitor {
             let (ids, motions) = (&ids[first..], &motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
                 if let Some(later) = ids.get(place + CommandBatch::AHEAD) {
-                    monitored.prefetch(later.slot);
+                    monitored.prefetch_plan(later.slot);
                 }
                 let (id, motion) = (ids[place], &motions[place]);
                 *is_replaced = self.scene.has(id)
@@ -206,7 +206,7 @@ impl Monitor {
     fn prefetch_motion(&self, ids: &[BodyId], place: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
         if let Some(later) = ids.get(place + 2 * AHEAD) {
-            self.scene.prefetch(later.slot);
+            self.scene.prefetch_first(later.slot);
         }
         let later = ids.get(place + AHEAD);
         if let Some((_, later)) = later.and_then(|later| self.scene.in_slot(later.slot)) {
@@ -311,9 +311,9 @@ impl Monitor {
         let context = self.change_context()?;
         let (window, since) = (context.window, context.forget_before);
         if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
-            self.share_replacements((now, since), window, tracked)?;
+            self.share_replacements((now, since), window, tracked);
         } else {
-            self.replace_each((now, since), window, tracked)?;
+            self.replace_each((now, since), window, tracked);
         }
         let count = self.search.forget_all(tracked.slots_in_place());
         self.count_changes(count);
@@ -321,16 +321,11 @@ impl Monitor {
     }
 
     /// Replaces them in the order in which they were told.
-    fn replace_each(
-        &mut self,
-        (now, since): (f64, f64),
-        window: Window,
-        tracked: &TrackedMotions,
-    ) -> Result<(), Error> {
+    fn replace_each(&mut self, (now, since): (f64, f64), window: Window, tracked: &TrackedMotions) {
         for (place, is_replaced) in tracked.in_place.iter().enumerate() {
             self.prefetch_motion(&tracked.ids, place);
             if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
-                self.search.monitored.prefetch(later.slot);
+                self.search.monitored.prefetch_plan(later.slot);
             }
             if !is_replaced {
                 continue;
@@ -338,11 +333,10 @@ impl Monitor {
             let slot = tracked.ids[place].slot;
             let flown = &mut self.scene.slots_mut()[slot as usize];
             let motion = &tracked.motions[place];
-            if let Some(flown) = flown.replace_as_usual((now, motion, since)) {
-                self.search.monitored.replan(slot, flown, window)?;
+            if let Some((flown, last)) = flown.replace_as_usual((now, motion, since)) {
+                self.search.monitored.replace(slot, flown, last, window);
             }
         }
-        Ok(())
     }
 
     /// Replaces them on several threads.
@@ -351,13 +345,13 @@ impl Monitor {
         (now, since): (f64, f64),
         window: Window,
         tracked: &TrackedMotions,
-    ) -> Result<(), Error> {
+    ) {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let slots = self.scene.slots_mut();
         let (by_slot, until) = self.search.monitored.by_slot_mut();
         let count = slots.len().min(by_slot.len());
-        let mut ends = vec![Ok(f64::INFINITY); count.div_ceil(SHARE)];
+        let mut ends = vec![f64::INFINITY; count.div_ceil(SHARE)];
         let lists = (&mut slots[..count], &mut by_slot[..count]);
         parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, by_slot), end| {
             for (place, monitored) in by_slot.iter_mut().enumerate() {
@@ -368,18 +362,12 @@ impl Monitor {
                 let (Some(motion), Some(monitored)) = (motion, monitored) else {
                     continue;
                 };
-                let flown = slots[place].replace_as_usual((now, motion, since));
-                let followed = flown.map_or(Ok(()), |flown| monitored.replan(flown, window));
-                match (&mut *end, followed) {
-                    (Ok(end), Ok(())) => *end = end.min(monitored.until()),
-                    (_, Err(error)) => *end = Err(error),
-                    (Err(_), Ok(())) => {}
+                if let Some((flown, last)) = slots[place].replace_as_usual((now, motion, since)) {
+                    monitored.replace(flown, last, window);
+                    *end = end.min(monitored.until());
                 }
             }
         });
-        for end in ends {
-            *until = until.min(end?);
-        }
-        Ok(())
+        *until = ends.into_iter().fold(*until, f64::min);
     }
 }

@@ -3,7 +3,7 @@
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
 use crate::bounds::{CacheLine, CompactTrajectory, CompactView, DAabb};
-use crate::trajectory::{Segment, StraightMotion, Trajectory};
+use crate::trajectory::{LastMotion, Segment, StraightMotion, Trajectory};
 use std::sync::OnceLock;
 
 /// The cached data of a motion.
@@ -124,6 +124,7 @@ impl SceneEntry {
 
     fn cached(&self) -> &(MotionSummary, CompactStorage) {
         let trajectory = &self.body.trajectory;
+        debug_assert!(trajectory.straight_motions().is_empty());
         self.summary
             .get_or_init(|| Box::new(CompactStorage::of(trajectory)))
     }
@@ -173,7 +174,9 @@ impl SceneEntry {
     /// Gives the body a straight motion.
     #[inline]
     pub(super) fn follow_straight(&mut self, motion: &StraightMotion, arena: &mut CubicArena) {
-        self.forget_summary(arena);
+        if self.body.trajectory.straight_motions().is_empty() {
+            self.forget_summary(arena);
+        }
         self.body.trajectory = Trajectory::of_straight(*motion);
     }
 
@@ -194,9 +197,9 @@ impl SceneEntry {
     pub(super) fn replace_as_usual(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
-    ) -> &Trajectory {
-        self.body.trajectory.replace_as_usual(from, motion, since);
-        &self.body.trajectory
+    ) -> (&Trajectory, LastMotion) {
+        let last = self.body.trajectory.replace_as_usual(from, motion, since);
+        (&self.body.trajectory, last)
     }
 
     /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned

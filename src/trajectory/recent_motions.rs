@@ -108,7 +108,12 @@ impl RecentMotions {
     /// Replaces the motion where the [last one](LastMotion::is_replaced_by) says so: there is room, and the motion so
     /// far goes on in one piece.
     #[inline]
-    pub(super) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
+    pub(super) fn replace_as_usual(
+        &mut self,
+        from: f64,
+        motion: &StraightMotion,
+        since: f64,
+    ) -> LastMotion {
         let dropped = self.past(since);
         let kept = self.pieces() - dropped;
         debug_assert!(kept < Self::ROOM && from <= self.cuts[self.pieces()]);
@@ -120,6 +125,8 @@ impl RecentMotions {
         }
         let end = cut_after(one_zero(from), motion, 1);
         self.append(&Room { dropped, kept, end }, from, motion);
+        // It is near for all of its first piece: so it was checked.
+        self.facts()
     }
 
     /// Returns the number of pieces, not all of them, that end before an instant (s).
@@ -191,18 +198,24 @@ impl RecentMotions {
     /// certainly be followed for all of its first piece.
     #[inline]
     pub(super) fn last_motion(&self) -> LastMotion {
-        let (last, pieces) = (self.last(), self.pieces());
-        if !last.is_near(self.last_knot(), self.cuts[pieces]) {
-            return LastMotion::NONE;
+        let end = self.cuts[self.pieces()];
+        if self.last().is_near(self.last_knot(), end) {
+            self.facts()
+        } else {
+            LastMotion::NONE
         }
+    }
+
+    #[inline]
+    fn facts(&self) -> LastMotion {
         LastMotion {
-            full_until: if pieces < Self::ROOM {
+            full_until: if self.pieces() < Self::ROOM {
                 f64::NEG_INFINITY
             } else {
                 self.cuts[1]
             },
             knot: self.last_knot(),
-            start: last.start(),
+            start: self.last().start(),
         }
     }
 
@@ -222,7 +235,7 @@ impl RecentMotions {
 
 /// The facts about a body's recent motions that a further one is checked against. They are kept where the monitor
 /// reads them without the motions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LastMotion {
     /// There is no room for a further piece until what ends by this instant (s) is forgotten.
     full_until: f64,

@@ -6,7 +6,7 @@ use super::segment_lists::{SegmentLists, count_at_front};
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::one_zero;
-use crate::simd::prefetch;
+use crate::simd::{prefetch, prefetch_first};
 use crate::window::Window;
 use std::iter::{once, repeat_n};
 use std::slice::from_ref;
@@ -225,12 +225,19 @@ impl Trajectory {
 
     /// Replaces the motion as [`replace`](Self::replace) does, where its [last motion](LastMotion::is_replaced_by) says
     /// that this succeeds, and changes nothing but its own few numbers. That is usual where a state is told each frame.
+    /// Returns the facts that a further motion is checked against.
     #[inline]
-    pub(crate) fn replace_as_usual(&mut self, from: f64, motion: &StraightMotion, since: f64) {
-        match &mut self.form {
-            Form::Recent(recent) => recent.replace_as_usual(from, motion, since),
-            Form::Straight(..) | Form::Lists(_) => self.replace(from, motion, since),
+    pub(crate) fn replace_as_usual(
+        &mut self,
+        from: f64,
+        motion: &StraightMotion,
+        since: f64,
+    ) -> LastMotion {
+        if let Form::Recent(recent) = &mut self.form {
+            return recent.replace_as_usual(from, motion, since);
         }
+        self.replace(from, motion, since);
+        self.last_motion()
     }
 
     /// Returns true if it goes on from `from` (s) just as a straight motion does.
@@ -267,12 +274,12 @@ impl Trajectory {
         }
     }
 
-    /// Prefetches the data that a splice near the front reads.
+    /// Prefetches the data that a splice near the front reads, but for the first cache line of the trajectory.
     pub(crate) fn prefetch(&self) {
         /// One or two cache lines.
         const KNOTS: usize = 8;
         match &self.form {
-            Form::Straight(..) => {}
+            Form::Straight(_, ends) => prefetch_first(ends),
             Form::Recent(recent) => prefetch(from_ref(&**recent)),
             Form::Lists(lists) => {
                 prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
@@ -377,7 +384,8 @@ mod tests {
                 }
                 let memory = one.straight_motions().as_ptr();
                 if is_usual {
-                    one.replace_as_usual(now, &motion, since);
+                    let last = one.replace_as_usual(now, &motion, since);
+                    assert_eq!(last, one.last_motion());
                 } else {
                     one.replace(now, &motion, since);
                 }
