@@ -176,11 +176,11 @@ fn monitor() -> (Monitor, BodyId) {
 #[rustfmt::skip]
 const CALLS: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_states(&[state(0.0, 0.0)])?),
-     "a trajectory needs at least two states, not 1"),
+     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(f64::NAN, 1.0)])?),
      "knot 1: time is NaN, not a finite number"),
     (|| done(Trajectory::from_states(&[state(2.0, 0.0), state(2.0, 1.0)])?),
-     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s"),
+     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(1.0, 1e301)])?),
      "knot 1: position x reaches 1e301, beyond ±1e300"),
     (|| done(Trajectory::at_rest(f64::INFINITY * DVec3::X)?),
@@ -214,24 +214,28 @@ const CALLS: &[(Attempt, &str)] = &[
         let (mut scene, ..) = pair();
         scene.insert(Body::new(flying().with_outside(Outside::Coast)).with_tag(7))?;
         done(scene.screen(&Query::new(Window::new(0.0, f64::INFINITY)?))?)
-    }, "body 2v0 (tag 7) exists beyond its knots: the window must be closed on both sides"),
+    }, "body 2v0 (tag 7) exists beyond its knots: close the window on both sides, with Window::new"),
     (|| {
         let (mut scene, a, _) = pair();
         scene.remove(a)?;
         done(scene.remove(a)?)
-    }, "body 0v0 is not in the scene"),
+    }, "body 0v0 is not in the scene: it was removed, or the id is of another scene"),
     (|| {
         let (mut scene, a, _) = pair();
         done(scene.ignore_pair(a, a)?)
-    }, "body 0v0 cannot be paired with itself"),
-    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[])?), "a monitor needs at least one alert level"),
+    }, "body 0v0 cannot be paired with itself: name two bodies"),
+    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[])?), 
+     "a monitor needs at least one alert level: give it AlertLevel::at(margin)"),
     (|| done(Monitor::new(pair().0, 0.0, 0.0, &[AlertLevel::at(1.0)])?),
-     "0.0 s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding of the clock"),
+     "0.0 s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
+      count time from an epoch near your data"),
     (|| done(Monitor::new(pair().0, 0.0, 5.0, &[AlertLevel { margin: 2.0, release: 1.0 }])?),
-     "alert level 0: margin 2.0 m, release margin 1.0 m: both must be within ±1e300, and the release margin not the \
-      smaller one"),
-    (|| done(monitor().0.advance(0.0, &mut Vec::new())?), "the clock cannot go back from 1.0 s to 0.0 s"),
-    (|| done(monitor().0.conflicts(3)?), "there is no alert level 3"),
+     "alert level 0: margin 2.0 m, release 1.0 m: an encounter begins at the margin and ends beyond the release, so give \
+      a release of at least the margin, both within ±1e300"),
+    (|| done(monitor().0.advance(0.0, &mut Vec::new())?),
+     "the clock cannot go back from 1.0 s to 0.0 s: give a later time, or restore a snapshot"),
+    (|| done(monitor().0.conflicts(3)?),
+     "there is no alert level 3: levels count from 0, in the order given to Monitor::new"),
     (|| {
         let (mut monitor, a) = monitor();
         let late = Trajectory::from_states(&[state(20.0, 0.0), state(30.0, 1.0)])?;
