@@ -3,6 +3,7 @@
 mod quantity;
 
 use crate::id::{BodyId, NamedBody};
+use std::fmt;
 
 pub use quantity::Quantity;
 
@@ -13,7 +14,9 @@ pub const MAX_MAGNITUDE: f64 = 1e300;
 
 /// The reason for which an input was refused. The call that returned it changed nothing, except
 /// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+///
+/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and what to do.
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Too few states. A trajectory needs at least two (or one segment); one that
@@ -445,6 +448,13 @@ pub enum Error {
     /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,
+}
+
+/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl Error {

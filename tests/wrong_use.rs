@@ -172,7 +172,7 @@ fn monitor() -> (Monitor, BodyId) {
     (monitor, a)
 }
 
-/// Calls of the library that are refused, and what the error says.
+/// Calls of the library that are refused, and the sentence of the error: `Display` and `Debug` say the same.
 #[rustfmt::skip]
 const CALLS: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_states(&[state(0.0, 0.0)])?),
@@ -292,7 +292,11 @@ fn command_lines() {
 fn calls() {
     let mut wrong = Vec::new();
     for (attempt, sentence) in CALLS {
-        let said = attempt().map_or_else(|error| error.to_string(), |()| "nothing".to_owned());
+        let (said, unwrapped) = attempt().map_or_else(
+            |error| (error.to_string(), format!("{error:?}")),
+            |()| ("nothing".to_owned(), "nothing".to_owned()),
+        );
+        assert_eq!(unwrapped, said);
         if said != *sentence {
             wrong.push(format!("expected {sentence}\nfound    {said}"));
         }
