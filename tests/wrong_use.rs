@@ -126,6 +126,14 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
      "error: none/out.csv: No such file or directory (os error 2)"),
     ("screen", &["radii.csv", "--threads", "-1"], 2,
      "error: invalid value '-1' for '--threads <THREADS>': -1 is not in 0..=1024"),
+    ("screen", &["radii.csv", "--threads", "all"], 2,
+     "error: invalid value 'all' for '--threads <THREADS>': not a whole number; write it like 12"),
+    ("cover", &["box", "1", "2", "4", "--spheres", "8.5"], 2,
+     "error: invalid value '8.5' for '--spheres <SPHERES>': not a whole number; write it like 12"),
+    ("cover", &["box", "1", "2", "4", "--spheres", "0"], 2,
+     "error: invalid value '0' for '--spheres <SPHERES>': 0 is not in 1..=4096"),
+    ("physics", &["--frames", "0"], 2,
+     "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=1000000"),
     ("many_body", &["--bodies", "0"], 2,
      "error: invalid value '0' for '--bodies <BODIES>': 0 is not in 1..=100000000"),
     ("many_body", &["--states", "none/states.csv"], 1,
@@ -302,6 +310,31 @@ fn calls() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Neither a radius nor a margin: nothing is found, and somebody has to say why.
+#[test]
+fn points_without_a_margin() {
+    let folder = folder("wrong-points");
+    let states =
+        format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n1,0,1,0,0,0,0,0\n1,9,1,0,0,0,0,0\n");
+    std::fs::write(folder.join("states.csv"), states).unwrap();
+    let note = "note: nothing is found, since the bodies are points and the margin is 0 m: give --radius or a larger \
+                --margin\n";
+    for (option, expected) in [
+        ("--margin=0", note),
+        ("--margin=1", ""),
+        ("--radius=0.1", ""),
+    ] {
+        let mut command = example("screen");
+        let result = command
+            .args(["states.csv", option])
+            .current_dir(&folder)
+            .output();
+        let result = result.unwrap();
+        assert!(result.status.success());
+        assert_eq!(plain(&result.stderr), expected);
+    }
 }
 
 /// A window in another count of time than the file's: nothing is found, and somebody has to say why.
