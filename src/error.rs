@@ -3,6 +3,7 @@
 mod quantity;
 
 use crate::id::{BodyId, NamedBody};
+use std::fmt;
 
 pub use quantity::Quantity;
 
@@ -13,12 +14,14 @@ pub const MAX_MAGNITUDE: f64 = 1e300;
 
 /// The reason for which an input was refused. The call that returned it changed nothing, except
 /// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+///
+/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and what to do.
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Too few states. A trajectory needs at least two (or one segment); one that
     /// [coasts](crate::Trajectory::coasting) needs one.
-    #[error("a trajectory needs at least two states, not {count}")]
+    #[error("a trajectory needs at least two states, not {count} (Trajectory::coasting takes one)")]
     TooFewStates {
         /// Number of states.
         count: usize,
@@ -57,7 +60,10 @@ pub enum Error {
         distance: f64,
     },
     /// The time of a knot is not later than that of the knot before it.
-    #[error("knot {knot}: time {time:?} s is not later than the knot before it, {previous:?} s")]
+    #[error(
+        "knot {knot}: time {time:?} s is not later than the knot before it, {previous:?} s: sort by time, and keep \
+         one knot for each instant"
+    )]
     TimeNotIncreasing {
         /// The later knot, counted from 0.
         knot: usize,
@@ -94,7 +100,10 @@ pub enum Error {
     },
     /// A body cannot be followed so far beyond its knots: more than 1e100 times the duration of the
     /// cubic that carries it there, or to times far beyond [`MAX_MAGNITUDE`].
-    #[error("knot {knot}: {time:?} s is too far from it to follow the body to")]
+    #[error(
+        "knot {knot}: the body cannot be followed from it as far as {time:?} s: check the window, the clock, and \
+         knots that are almost at one time"
+    )]
     TooFar {
         /// The knot from which the body is followed, counted from 0.
         knot: usize,
@@ -236,7 +245,9 @@ pub enum Error {
         bound: f64,
     },
     /// The rows of one body are not together.
-    #[error("row {row}: the body appeared before, and others since: its rows must be together")]
+    #[error(
+        "row {row}: the body appeared before, and others since: sort the rows by body, then by time"
+    )]
     RowsApart {
         /// The row, counted from 0 over all rows.
         row: usize,
@@ -311,7 +322,10 @@ pub enum Error {
     NoPlan,
     /// A body that exists at all times cannot be screened over an open-ended window: see
     /// [`Scene::planned`](crate::Scene::planned).
-    #[error("{} exists beyond its knots: the window must be closed on both sides", NamedBody(*id, *body))]
+    #[error(
+        "{} exists beyond its knots: close the window on both sides, with Window::new",
+        NamedBody(*id, *body)
+    )]
     WindowNotClosed {
         /// The body's tag: 0 without [`Body::with_tag`](crate::Body::with_tag).
         body: u64,
@@ -329,13 +343,13 @@ pub enum Error {
         limit: usize,
     },
     /// The id names no body of this scene (it may have been removed).
-    #[error("{id} is not in the scene")]
+    #[error("{id} is not in the scene: it was removed, or the id is of another scene")]
     UnknownBody {
         /// The id.
         id: BodyId,
     },
     /// A pair needs two different bodies.
-    #[error("{id} cannot be paired with itself")]
+    #[error("{id} cannot be paired with itself: name two bodies")]
     SameBody {
         /// The id.
         id: BodyId,
@@ -362,7 +376,9 @@ pub enum Error {
         time: f64,
     },
     /// The monitor's clock never goes back.
-    #[error("the clock cannot go back from {now:?} s to {time:?} s")]
+    #[error(
+        "the clock cannot go back from {now:?} s to {time:?} s: give a later time, or restore a snapshot"
+    )]
     ClockWentBack {
         /// Time of the clock, s.
         now: f64,
@@ -380,18 +396,20 @@ pub enum Error {
     },
     /// A monitor's lookahead is not a positive duration up to 1e300, or vanishes by rounding.
     #[error(
-        "{value:?} s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding \
-         of the clock"
+        "{value:?} s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding \
+         of the clock, count time from an epoch near your data"
     )]
     Lookahead {
         /// The value, s.
         value: f64,
     },
     /// A monitor needs at least one alert level.
-    #[error("a monitor needs at least one alert level")]
+    #[error("a monitor needs at least one alert level: give it AlertLevel::at(margin)")]
     NoAlertLevel,
     /// There is no alert level with this number.
-    #[error("there is no alert level {level}")]
+    #[error(
+        "there is no alert level {level}: levels count from 0, in the order given to Monitor::new"
+    )]
     UnknownAlertLevel {
         /// The number, counted from 0.
         level: usize,
@@ -406,8 +424,8 @@ pub enum Error {
     },
     /// An alert level's margin is not a number within ±1e300, or exceeds its release margin.
     #[error(
-        "alert level {level}: margin {margin:?} m, release margin {release:?} m: both must be within \
-         ±1e300, and the release margin not the smaller one"
+        "alert level {level}: margin {margin:?} m, release {release:?} m: an encounter begins at the margin and ends \
+         beyond the release, so give a release of at least the margin, both within ±1e300"
     )]
     AlertLevel {
         /// The level, counted from 0.
@@ -430,6 +448,13 @@ pub enum Error {
     /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,
+}
+
+/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl Error {

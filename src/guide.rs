@@ -13,7 +13,7 @@
 //! | [`overload_and_deadlines`] | budgets, crowds, a thread of its own |
 //! | [`errors`] | what can go wrong, and what to do |
 //! | [`how_the_proof_goes`] | why no conflict is lost |
-//! | [`cookbook`] | ten recipes |
+//! | [`cookbook`] | recipes |
 
 #[doc = include_str!("guide/start_here.md")]
 pub mod start_here {}

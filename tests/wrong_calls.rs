@@ -58,9 +58,10 @@ fn straight(time: f64) -> (DVec3, DVec3) {
 
 #[rustfmt::skip]
 const CURVES: &[(Attempt, &str)] = &[
-    (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO)])?), "a trajectory needs at least two states, not 1"),
+    (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO)])?),
+     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (5.0, DVec3::X), (5.0, DVec3::Y)])?),
-     "knot 2: time 5.0 s is not later than the knot before it, 5.0 s"),
+     "knot 2: time 5.0 s is not later than the knot before it, 5.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (1.0, DVec3::new(0.0, f64::NAN, 0.0))])?),
      "knot 1: position y is NaN, not a finite number"),
     (|| done(Trajectory::from_positions_with(&[(0.0, DVec3::ZERO), (1.0, DVec3::X)],
@@ -68,23 +69,29 @@ const CURVES: &[(Attempt, &str)] = &[
      "knot 0: velocity x is NaN, not a finite number"),
     (|| done(Trajectory::from_bezier(&[0.0, 1.0], &[])?), "2 knots need 1 segments, not 0"),
     (|| done(Trajectory::from_bezier(&[0.0, -1.0], &[[DVec3::ZERO; 4]])?),
-     "knot 1: time -1.0 s is not later than the knot before it, 0.0 s"),
+     "knot 1: time -1.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_b_spline(&[0.0, 1.0, 2.0], &[DVec3::ZERO; 4])?),
      "a cubic B-spline of 4 control points needs 8 knots, not 3"),
     (|| done(Trajectory::from_uniform_b_spline(0.0, 1.0, &[DVec3::ZERO; 3])?),
      "a cubic B-spline needs at least four control points, not 3"),
     (|| done(Trajectory::from_uniform_b_spline(0.0, 0.0, &[DVec3::ZERO; 4])?),
-     "knot 1: time 0.0 s is not later than the knot before it, 0.0 s"),
+     "knot 1: time 0.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"),
     (|| {
         let frame = |time, tangent| Keyframe::new(time, tangent, DVec3::X, DVec3::X);
         done(Trajectory::from_keyframes(&[frame(0.0, DVec3::X), frame(1.0, DVec3::NAN)])?)
     }, "knot 1: velocity x is NaN, not a finite number"),
     (|| done(Trajectory::from_coefficients(&[0.0, 1.0, 2.0], &[[DVec3::ZERO; 4]], TimeBase::Absolute)?),
      "3 knots need 2 segments, not 1"),
+    (|| done(Trajectory::from_positions(&[(0.0, DVec3::ZERO)])?),
+     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
+    (|| done(Trajectory::from_bezier(&[0.0, 1.0, 2.0], &[[DVec3::ZERO; 4], [DVec3::X; 4]])?),
+     "knot 1: the curve before it ends 1.0 m from where the curve after it begins: give both the same point"),
+    (|| done(Trajectory::coasting(State::new(0.0, DVec3::ZERO, 1e301 * DVec3::X))?),
+     "knot 0: velocity x reaches 1e301, beyond ±1e300"),
     (|| done(Trajectory::group_rows([(1, state(0.0, 0.0)), (2, state(0.0, 0.0)), (1, state(1.0, 0.0))])?),
-     "body 1: row 2: the body appeared before, and others since: its rows must be together"),
+     "body 1: row 2: the body appeared before, and others since: sort the rows by body, then by time"),
     (|| done(Trajectory::group_rows([(1, state(0.0, 0.0)), (1, state(1.0, 0.0)), (8, state(0.0, 0.0))])?),
-     "body 8: a trajectory needs at least two states, not 1"),
+     "body 8: a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
     (|| done(flying().simplified(0.0)?), "tolerance 0.0 m is not a positive number up to 1e300"),
     (|| done(flying().spliced(20.0, &flying())?),
      "there is no plan to splice at 20.0 s: the old plan or the new one does not exist then, or the new one ends; \
@@ -94,8 +101,11 @@ const CURVES: &[(Attempt, &str)] = &[
      "the motion at 0.3521844789475136 s: velocity x is 56.317285143914546 m/s, but the position changes by \
       0.9386214190645441 m/s: give the derivative of the position, or a larger tolerance"),
     (|| done(Trajectory::fit_polynomials::<8>(&[], &[], TimeBase::SegmentLocal, 0.1)?),
-     "a trajectory needs at least two states, not 0"),
+     "a trajectory needs at least two states, not 0 (Trajectory::coasting takes one)"),
     (|| fit(straight, window(0.0, 1.0), 0.0), "tolerance 0.0 m is not a positive number up to 1e300"),
+    (|| fit(straight, window(0.0, 1.0), -0.01), "tolerance -0.01 m is not a positive number up to 1e300"),
+    (|| fit(|t| (t.ln() * DVec3::X, DVec3::X / t), window(0.0, 9.0), 0.1),
+     "the motion at 0.0 s: position x is -inf, not a number within ±1e300"),
     (|| fit(straight, window(1.0, 1.0), 0.1),
      "a motion cannot be fitted over 1.0..1.0 s: give a window with two different, finite ends"),
     (|| fit(straight, Window::ALL, 0.1),
@@ -121,6 +131,13 @@ fn tetrahedron(corner: Vec3) -> Result<TriMesh, Box<dyn Error>> {
 const BODIES: &[(Attempt, &str)] = &[
     (|| done(Hitbox::half_space(DVec3::ZERO)?),
      "the normal of the half-space has the length 0.0, not 1: give a unit vector, normalised in f64"),
+    (|| done(Hitbox::sphere(f64::NAN)?), "sphere 0: radius NaN m is not a number from 0 to 1e300"),
+    (|| done(Hitbox::half_space(DVec3::new(1.0, 1.0, 0.0))?),
+     "the normal of the half-space has the length 1.4142135623730951, not 1: give a unit vector, normalised in f64"),
+    (|| done(Orientation::slerp(&[(0.0, DQuat::from_xyzw(0.0, 0.0, 90.0, 0.0)), (1.0, DQuat::IDENTITY)])?),
+     "knot 0: the quaternion of the rotation has the length 90.0, not 1: normalise it in f64"),
+    (|| done(Orientation::spin(0.0, DQuat::IDENTITY, f64::NAN * DVec3::Y)?),
+     "knot 0: angular velocity x is NaN, not a finite number"),
     (|| done(Hitbox::half_space(Vec3::new(0.6, 0.8, 0.0))?),
      "the normal of the half-space has the length 1.000000023841858, not 1: give a unit vector, normalised in f64"),
     (|| {
@@ -143,7 +160,7 @@ const BODIES: &[(Attempt, &str)] = &[
     (|| done(Hitbox::cluster(vec![Sphere { offset: DVec3::ZERO, radius: -0.1 }])?),
      "sphere 0: radius -0.1 m is not a number from 0 to 1e300"),
     (|| done(Orientation::slerp(&[(1.0, DQuat::IDENTITY), (0.0, DQuat::IDENTITY)])?),
-     "knot 1: time 0.0 s is not later than the knot before it, 1.0 s"),
+     "knot 1: time 0.0 s is not later than the knot before it, 1.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z)?.with_tolerance(0.0)?),
      "tolerance 0.0 is not a number within 1e-9..=0.1"),
 ];
@@ -166,7 +183,17 @@ const QUESTIONS: &[(Attempt, &str)] = &[
     (|| {
         let coasts = Body::new(flying().with_outside(Outside::Coast)).with_tag(3);
         done(pair::closest_approach(&coasts, &coasts, Window::ALL)?)
-    }, "body 3 exists beyond its knots: the window must be closed on both sides"),
+    }, "body 3 exists beyond its knots: close the window on both sides, with Window::new"),
+    (|| {
+        let mut scene = Scene::new();
+        let id = scene.insert(body())?;
+        done(scene.closest_approach(id, id, Window::ALL)?)
+    }, "body 0v0 cannot be paired with itself: name two bodies"),
+    (|| {
+        let mut scene = Scene::new();
+        scene.insert(Body::new(Trajectory::coasting(state(0.0, 0.0))?))?;
+        done(scene.screen(&Query::new(Window::ALL))?)
+    }, "body 0v0 exists beyond its knots: close the window on both sides, with Window::new"),
     (|| done(Window::new(f64::NAN, 1.0)?),
      "window NaN..1.0 s: no instant lies between them; name the earlier time first"),
 ];
@@ -175,6 +202,34 @@ const QUESTIONS: &[(Attempt, &str)] = &[
 const MONITORS: &[(Attempt, &str)] = &[
     (|| done(Monitor::new(Scene::new(), f64::NAN, 5.0, &[AlertLevel::at(1.0)])?),
      "the clock cannot show NaN s: not within ±1e300, or too far from 0 for the lookahead"),
+    (|| done(Monitor::new(Scene::new(), 0.0, f64::INFINITY, &[AlertLevel::at(1.0)])?),
+     "inf s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
+      count time from an epoch near your data"),
+    // Nanoseconds since 1970.
+    (|| done(Monitor::new(Scene::new(), 1.79e18, 2.0, &[AlertLevel::at(1.0)])?),
+     "2.0 s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
+      count time from an epoch near your data"),
+    // A release that is counted from the margin.
+    (|| done(Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel { margin: 20.0, release: 1.0 }])?),
+     "alert level 0: margin 20.0 m, release 1.0 m: an encounter begins at the margin and ends beyond the release, so give \
+      a release of at least the margin, both within ±1e300"),
+    (|| {
+        let mut scene = Scene::new();
+        let ids = [body(), body(), body()].map(|one| scene.insert(one).unwrap());
+        done(monitor().0.replan(ids[2], 2.0, flying())?)
+    }, "body 2v0 is not in the scene: it was removed, or the id is of another scene"),
+    (|| {
+        let (mut monitor, id) = monitor();
+        monitor.advance(11.0, &mut Vec::new())?;
+        done(monitor.track(12.0, [(id, state(12.0, 0.0))])?)
+    }, "body 0v0 (tag 4): there is no plan to splice at 12.0 s: the old plan or the new one does not exist then, or the new one \
+        ends; give one that goes on from then, or set the trajectory as a whole"),
+    (|| {
+        let (mut monitor, id) = monitor();
+        monitor.advance(11.0, &mut Vec::new())?;
+        done(monitor.replan(id, 12.0, Trajectory::from_states(&[state(12.0, 0.0), state(20.0, 9.0)])?)?)
+    }, "body 0v0 (tag 4): there is no plan to splice at 12.0 s: the old plan or the new one does not exist then, or the new one \
+        ends; give one that goes on from then, or set the trajectory as a whole"),
     (|| done(monitor().0.advance(f64::INFINITY, &mut Vec::new())?),
      "the clock cannot show inf s: not within ±1e300, or too far from 0 for the lookahead"),
     (|| done(monitor().0.track(f64::NAN, [] as [(BodyId, State); 0])?),
@@ -200,7 +255,7 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         monitor.remove(id)?;
         done(monitor.track(1.0, [(id, state(1.0, 0.0))])?)
-    }, "body 0v0 is not in the scene"),
+    }, "body 0v0 is not in the scene: it was removed, or the id is of another scene"),
     (|| {
         let (mut monitor, id) = monitor();
         let late = Trajectory::from_states(&[state(12.0, 0.0), state(13.0, 0.0)])?;
@@ -210,8 +265,12 @@ const MONITORS: &[(Attempt, &str)] = &[
     (|| {
         let (monitor, id) = monitor();
         done(monitor.what_if(id, &flying(), 5)?)
-    }, "there is no alert level 5"),
+    }, "there is no alert level 5: levels count from 0, in the order given to Monitor::new"),
     (|| done(monitor().0.set_history(-1.0)?), "history: -1.0 is not a number of at least 0"),
+    (|| {
+        let threshold = RevisionThreshold { time: -1.0, separation: 0.0 };
+        done(monitor().0.set_revision_threshold(threshold)?)
+    }, "revision threshold, time: -1.0 is not a number of at least 0"),
     (|| {
         let threshold = RevisionThreshold { time: 0.0, separation: f64::NAN };
         done(monitor().0.set_revision_threshold(threshold)?)

@@ -126,6 +126,14 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
      "error: none/out.csv: No such file or directory (os error 2)"),
     ("screen", &["radii.csv", "--threads", "-1"], 2,
      "error: invalid value '-1' for '--threads <THREADS>': -1 is not in 0..=1024"),
+    ("screen", &["radii.csv", "--threads", "all"], 2,
+     "error: invalid value 'all' for '--threads <THREADS>': not a whole number; write it like 12"),
+    ("cover", &["box", "1", "2", "4", "--spheres", "8.5"], 2,
+     "error: invalid value '8.5' for '--spheres <SPHERES>': not a whole number; write it like 12"),
+    ("cover", &["box", "1", "2", "4", "--spheres", "0"], 2,
+     "error: invalid value '0' for '--spheres <SPHERES>': 0 is not in 1..=4096"),
+    ("physics", &["--frames", "0"], 2,
+     "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=1000000"),
     ("many_body", &["--bodies", "0"], 2,
      "error: invalid value '0' for '--bodies <BODIES>': 0 is not in 1..=100000000"),
     ("many_body", &["--states", "none/states.csv"], 1,
@@ -172,15 +180,15 @@ fn monitor() -> (Monitor, BodyId) {
     (monitor, a)
 }
 
-/// Calls of the library that are refused, and what the error says.
+/// Calls of the library that are refused, and the sentence of the error: `Display` and `Debug` say the same.
 #[rustfmt::skip]
 const CALLS: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_states(&[state(0.0, 0.0)])?),
-     "a trajectory needs at least two states, not 1"),
+     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(f64::NAN, 1.0)])?),
      "knot 1: time is NaN, not a finite number"),
     (|| done(Trajectory::from_states(&[state(2.0, 0.0), state(2.0, 1.0)])?),
-     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s"),
+     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(1.0, 1e301)])?),
      "knot 1: position x reaches 1e301, beyond ±1e300"),
     (|| done(Trajectory::at_rest(f64::INFINITY * DVec3::X)?),
@@ -214,24 +222,28 @@ const CALLS: &[(Attempt, &str)] = &[
         let (mut scene, ..) = pair();
         scene.insert(Body::new(flying().with_outside(Outside::Coast)).with_tag(7))?;
         done(scene.screen(&Query::new(Window::new(0.0, f64::INFINITY)?))?)
-    }, "body 2v0 (tag 7) exists beyond its knots: the window must be closed on both sides"),
+    }, "body 2v0 (tag 7) exists beyond its knots: close the window on both sides, with Window::new"),
     (|| {
         let (mut scene, a, _) = pair();
         scene.remove(a)?;
         done(scene.remove(a)?)
-    }, "body 0v0 is not in the scene"),
+    }, "body 0v0 is not in the scene: it was removed, or the id is of another scene"),
     (|| {
         let (mut scene, a, _) = pair();
         done(scene.ignore_pair(a, a)?)
-    }, "body 0v0 cannot be paired with itself"),
-    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[])?), "a monitor needs at least one alert level"),
+    }, "body 0v0 cannot be paired with itself: name two bodies"),
+    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[])?), 
+     "a monitor needs at least one alert level: give it AlertLevel::at(margin)"),
     (|| done(Monitor::new(pair().0, 0.0, 0.0, &[AlertLevel::at(1.0)])?),
-     "0.0 s is not a usable lookahead: not a positive number up to 1e300, or lost in the rounding of the clock"),
+     "0.0 s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
+      count time from an epoch near your data"),
     (|| done(Monitor::new(pair().0, 0.0, 5.0, &[AlertLevel { margin: 2.0, release: 1.0 }])?),
-     "alert level 0: margin 2.0 m, release margin 1.0 m: both must be within ±1e300, and the release margin not the \
-      smaller one"),
-    (|| done(monitor().0.advance(0.0, &mut Vec::new())?), "the clock cannot go back from 1.0 s to 0.0 s"),
-    (|| done(monitor().0.conflicts(3)?), "there is no alert level 3"),
+     "alert level 0: margin 2.0 m, release 1.0 m: an encounter begins at the margin and ends beyond the release, so give \
+      a release of at least the margin, both within ±1e300"),
+    (|| done(monitor().0.advance(0.0, &mut Vec::new())?),
+     "the clock cannot go back from 1.0 s to 0.0 s: give a later time, or restore a snapshot"),
+    (|| done(monitor().0.conflicts(3)?),
+     "there is no alert level 3: levels count from 0, in the order given to Monitor::new"),
     (|| {
         let (mut monitor, a) = monitor();
         let late = Trajectory::from_states(&[state(20.0, 0.0), state(30.0, 1.0)])?;
@@ -288,12 +300,41 @@ fn command_lines() {
 fn calls() {
     let mut wrong = Vec::new();
     for (attempt, sentence) in CALLS {
-        let said = attempt().map_or_else(|error| error.to_string(), |()| "nothing".to_owned());
+        let (said, unwrapped) = attempt().map_or_else(
+            |error| (error.to_string(), format!("{error:?}")),
+            |()| ("nothing".to_owned(), "nothing".to_owned()),
+        );
+        assert_eq!(unwrapped, said);
         if said != *sentence {
             wrong.push(format!("expected {sentence}\nfound    {said}"));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Neither a radius nor a margin: nothing is found, and somebody has to say why.
+#[test]
+fn points_without_a_margin() {
+    let folder = folder("wrong-points");
+    let states =
+        format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n1,0,1,0,0,0,0,0\n1,9,1,0,0,0,0,0\n");
+    std::fs::write(folder.join("states.csv"), states).unwrap();
+    let note = "note: nothing is found, since the bodies are points and the margin is 0 m: give --radius or a larger \
+                --margin\n";
+    for (option, expected) in [
+        ("--margin=0", note),
+        ("--margin=1", ""),
+        ("--radius=0.1", ""),
+    ] {
+        let mut command = example("screen");
+        let result = command
+            .args(["states.csv", option])
+            .current_dir(&folder)
+            .output();
+        let result = result.unwrap();
+        assert!(result.status.success());
+        assert_eq!(plain(&result.stderr), expected);
+    }
 }
 
 /// A window in another count of time than the file's: nothing is found, and somebody has to say why.

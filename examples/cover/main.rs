@@ -14,8 +14,7 @@ mod picture;
 #[path = "../terminal/mod.rs"]
 mod terminal;
 
-use clap::builder::TypedValueParser;
-use clap::{Args, Parser, Subcommand, value_parser};
+use clap::{Args, Parser, Subcommand};
 use nearmiss::parry3d::math::Vector;
 use nearmiss::parry3d::shape::{Capsule, Cuboid, Cylinder, SharedShape};
 use nearmiss::{CoverOptions, Extent, SphereCover};
@@ -87,7 +86,7 @@ enum Kind {
 #[derive(Debug, Args)]
 struct Task {
     /// Largest number of spheres.
-    #[arg(long, value_parser = spheres(), allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(1..=CoverOptions::MOST_SPHERES), allow_negative_numbers = true)]
     spheres: usize,
     /// Another seed makes the search begin elsewhere.
     #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
@@ -102,12 +101,6 @@ struct Task {
 
 fn length() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
     terminal::within(1e-9..=1e9)
-}
-
-fn spheres() -> impl TypedValueParser<Value = usize> {
-    value_parser!(u32)
-        .range(1..=CoverOptions::MOST_SPHERES as i64)
-        .map(|count| count as usize)
 }
 
 impl Kind {

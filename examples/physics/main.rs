@@ -27,8 +27,7 @@ mod terminal;
 mod watch;
 mod world;
 
-use clap::builder::TypedValueParser;
-use clap::{Parser, value_parser};
+use clap::Parser;
 use report::Report;
 use std::error::Error as StdError;
 use std::process::ExitCode;
@@ -47,7 +46,7 @@ struct Arguments {
     /// Frames of 1/60 s.
     #[arg(
         long,
-        value_parser = value_parser!(u32).range(1..=1_000_000),
+        value_parser = terminal::whole(1..=1_000_000_u32),
         default_value_t = 600,
         allow_negative_numbers = true
     )]
@@ -61,7 +60,12 @@ struct Arguments {
     )]
     bodies: usize,
     /// Number of boxes beside the balls.
-    #[arg(long, value_parser = boxes(), default_value = "200", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_parser = terminal::whole(0..=1_000_000_usize),
+        default_value = "200",
+        allow_negative_numbers = true
+    )]
     boxes: usize,
     /// The same seed gives the same run.
     #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
@@ -71,12 +75,6 @@ struct Arguments {
     /// Ends with one line of JSON.
     #[arg(long)]
     json: bool,
-}
-
-fn boxes() -> impl TypedValueParser<Value = usize> {
-    value_parser!(u32)
-        .range(0..=1_000_000)
-        .map(|number| number as usize)
 }
 
 fn main() -> ExitCode {

@@ -56,7 +56,8 @@ struct Arguments {
     hitbox: Option<Hitbox>,
     #[arg(long, value_name = "FILE", help = "JSON file of hitboxes; its schema: --help", long_help = hitboxes::HELP)]
     hitboxes: Option<PathBuf>,
-    /// A conflict lasts while the separation is at most this, m; may be negative.
+    /// A conflict lasts while the separation is at most this, m; may be negative. The separation is the distance of
+    /// the bodies' surfaces.
     #[arg(
         long,
         value_parser = terminal::margin,
@@ -80,7 +81,7 @@ struct Arguments {
     /// written.
     #[arg(long)]
     output: Option<PathBuf>,
-    /// Print the funnel and the stage times as one line on standard error.
+    /// Print how much each stage has left to the next one, and the times, as one line on standard error.
     #[arg(long, value_enum)]
     stats: Option<StatsFormat>,
 }
@@ -170,6 +171,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             "note: the window is {}, and no body exists then; the states cover {states}",
             arguments.window
         ));
+    } else if screening.conflicts.is_empty() && arguments.margin <= 0.0 && is_of_points(&scene) {
+        terminal::complain(format_args!(
+            "note: nothing is found, since the bodies are points and the margin is {} m: give --radius or a larger --margin",
+            arguments.margin
+        ));
     }
     let table = Table {
         scene: &scene,
@@ -197,6 +203,12 @@ fn states_elsewhere(scene: &Scene, window: Window) -> Option<Window> {
     let start = domains().map(|domain| domain.start()).reduce(f64::min)?;
     let end = domains().map(|domain| domain.end()).reduce(f64::max)?;
     Window::new(start, end).ok()
+}
+
+/// Returns true if there are several bodies, and all are points.
+fn is_of_points(scene: &Scene) -> bool {
+    let mut bodies = scene.bodies();
+    scene.len() > 1 && bodies.all(|(_, body)| body.hitbox == Hitbox::POINT)
 }
 
 fn build_scene(

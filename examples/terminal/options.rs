@@ -4,19 +4,18 @@
 //! negative number.
 
 use super::speech::complain;
-use clap::builder::TypedValueParser;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, value_parser};
+use clap::{Args, CommandFactory, Parser};
 use nearmiss::{Error, MAX_MAGNITUDE};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 /// More threads than any machine has cores help nobody, and far more than that cannot be started.
-const MAX_THREADS: i64 = 1_024;
+const MAX_THREADS: usize = 1_024;
 
 /// More bodies do not fit into memory.
-const MAX_BODIES: i64 = 100_000_000;
+const MAX_BODIES: usize = 100_000_000;
 
 /// The number of threads of an example.
 #[derive(Clone, Copy, Debug, Args)]
@@ -44,14 +43,29 @@ impl Threads {
 }
 
 /// A number of bodies in a scene that is made up.
-pub(crate) fn bodies() -> impl TypedValueParser<Value = usize> {
+pub(crate) fn bodies() -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
     whole(1..=MAX_BODIES)
 }
 
-fn whole(range: RangeInclusive<i64>) -> impl TypedValueParser<Value = usize> {
-    value_parser!(u32)
-        .range(range)
-        .map(|number| number as usize)
+/// A whole number in this range.
+pub(crate) fn whole<T>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: TryFrom<i128> + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let number: i128 = text
+            .parse()
+            .map_err(|_| "not a whole number; write it like 12")?;
+        let within = T::try_from(number)
+            .ok()
+            .filter(|number| range.contains(number));
+        within.ok_or_else(|| {
+            let (least, most) = (range.start(), range.end());
+            format!("{number} is not in {least}..={most}")
+        })
+    }
 }
 
 /// A finite number in this range.

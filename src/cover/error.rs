@@ -1,9 +1,10 @@
 //! The error of covers.
 
 use crate::error::Error;
+use std::fmt;
 
 /// The reason for which there is no cover, or no verdict on one.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoverError {
     /// No finite set of spheres contains the shape (a half-space), or the kind of shape has neither
@@ -77,4 +78,11 @@ pub enum CoverError {
     /// A sphere that no hitbox can have.
     #[error(transparent)]
     Sphere(#[from] Error),
+}
+
+/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
+impl fmt::Debug for CoverError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }

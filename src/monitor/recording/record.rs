@@ -5,7 +5,7 @@ use crate::id::BodyId;
 use crate::monitor::{Command, RevisionThreshold, Snapshot};
 use crate::scene::BodyState;
 use serde::{Deserialize, Serialize};
-use std::io;
+use std::{fmt, io};
 
 /// The first line; the number is the version of the format.
 pub(super) const TITLE: &str = "nearmiss recording 5\n";
@@ -38,7 +38,7 @@ pub(in crate::monitor) enum Record {
 
 /// The reason why a recording cannot be replayed, or not to its end. Offsets are in bytes from the beginning
 /// of the file, to the line that is at fault.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
     /// The beginning is not that of a recording of a known version.
@@ -73,6 +73,13 @@ pub enum RecordingError {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
+}
+
+/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
+impl fmt::Debug for RecordingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 impl Record {

@@ -23,7 +23,7 @@ fn numbers_that_are_refused() {
     let found = text(refused(waypoints(&[(0.0, DVec3::X), (0.0, DVec3::X)])));
     assert_eq!(
         found,
-        "knot 1: time 0.0 s is not later than the knot before it, 0.0 s"
+        "knot 1: time 0.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"
     );
     let fast = [(0.0, DVec3::ZERO), (1e-200, 1e200 * DVec3::X)];
     assert!(matches!(
