@@ -62,6 +62,11 @@ impl Slot {
         Some(entry.replace_as_usual((from, motion, since)))
     }
 
+    /// Prefetches the first cache line of the record: the motion begins there.
+    pub(crate) fn prefetch_first(&self) {
+        prefetch_first(self);
+    }
+
     /// Prefetches what the body's motion has beside the first cache line of the record.
     pub(crate) fn prefetch_motion(&self) {
         if let Some(entry) = &self.entry {
@@ -415,7 +420,7 @@ impl Scene {
     /// Prefetches the first cache line of a body: its motion begins there.
     pub(crate) fn prefetch_first(&self, slot: u32) {
         if let Some(slot) = self.slots.get(slot as usize) {
-            prefetch_first(slot);
+            slot.prefetch_first();
         }
     }
 

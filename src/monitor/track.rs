@@ -202,18 +202,6 @@ impl Monitor {
         is_usual.into_inner()
     }
 
-    /// Prefetches bodies that are looked at later: they lie anywhere in memory.
-    fn prefetch_motion(&self, ids: &[BodyId], place: usize) {
-        const AHEAD: usize = CommandBatch::AHEAD;
-        if let Some(later) = ids.get(place + 2 * AHEAD) {
-            self.scene.prefetch_first(later.slot);
-        }
-        let later = ids.get(place + AHEAD);
-        if let Some((_, later)) = later.and_then(|later| self.scene.in_slot(later.slot)) {
-            later.body.trajectory.prefetch();
-        }
-    }
-
     /// Finds the change of a body that is told a motion at an instant (s).
     fn work_out_change(
         &self,
@@ -322,19 +310,25 @@ impl Monitor {
 
     /// Replaces them in the order in which they were told.
     fn replace_each(&mut self, (now, since): (f64, f64), window: Window, tracked: &TrackedMotions) {
+        const AHEAD: usize = CommandBatch::AHEAD;
+        let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
         for (place, is_replaced) in tracked.in_place.iter().enumerate() {
-            self.prefetch_motion(&tracked.ids, place);
-            if let Some(later) = tracked.ids.get(place + 2 * CommandBatch::AHEAD) {
-                self.search.monitored.prefetch_plan(later.slot);
+            // Bodies lie anywhere in memory.
+            if let Some(later) = tracked.ids.get(place + 2 * AHEAD) {
+                slots[later.slot as usize].prefetch_first();
+                monitored.prefetch_plan(later.slot);
+            }
+            if let Some(later) = tracked.ids.get(place + AHEAD) {
+                slots[later.slot as usize].prefetch_motion();
             }
             if !is_replaced {
                 continue;
             }
             let slot = tracked.ids[place].slot;
-            let flown = &mut self.scene.slots_mut()[slot as usize];
+            let flown = &mut slots[slot as usize];
             let motion = &tracked.motions[place];
             if let Some((flown, last)) = flown.replace_as_usual((now, motion, since)) {
-                self.search.monitored.replace(slot, flown, last, window);
+                monitored.replace(slot, flown, last, window);
             }
         }
     }
