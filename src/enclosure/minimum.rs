@@ -309,10 +309,11 @@ fn dividing_point(cubic: &ScaledCubic, divided: &BoundedPart, best: f64) -> f64 
             return s;
         }
     }
-    if start == best {
-        start + NEAR_BEST * width
-    } else if end == best {
-        end - NEAR_BEST * width
+    let step = NEAR_BEST * width;
+    if (best - start).abs() <= step {
+        start + step
+    } else if (best - end).abs() <= step {
+        end - step
     } else {
         0.5 * (start + end)
     }
