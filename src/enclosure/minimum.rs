@@ -66,11 +66,11 @@ fn least_distance_in(
     narrowed: impl Fn(&BranchAndBound<'_>, Option<ParameterEnclosure>) -> ParameterEnclosure,
 ) -> LeastDistance {
     let cubic = ScaledCubic::new(&given.points, given.error);
-    let mut search = BranchAndBound::new(&cubic, least_point(&cubic.points));
+    let (mut search, minorants) = BranchAndBound::new(&cubic, least_point(&cubic.points));
     let (hull, effort) = if search.is_tight() {
-        (search.hull(), Effort::Tight)
+        (search.hull(&minorants), Effort::Tight)
     } else {
-        let (parts, effort) = search.branch();
+        let (parts, effort) = search.branch(search.sides(&minorants));
         (search.hull_of(&parts), effort)
     };
     LeastDistance {
@@ -85,11 +85,28 @@ fn least_distance_in(
 pub(super) fn nearest(given: &UncertainCubic, guess: Option<f64>) -> (DistanceEnclosure, f64) {
     let cubic = ScaledCubic::new(&given.points, given.error);
     let guess = guess.unwrap_or_else(|| least_point(&cubic.points));
-    let mut search = BranchAndBound::new(&cubic, guess);
+    let (mut search, minorants) = BranchAndBound::new(&cubic, guess);
     if !search.is_tight() {
-        search.branch();
+        search.branch(search.sides(&minorants));
     }
     (search.distance(), search.best)
+}
+
+/// Returns a parameter at which the least distance is attained, up to rounding. `lowers` are bounds of the
+/// squared distance on the halves of both sides of a parameter that is probably that one.
+pub(super) fn least_parameter(given: &UncertainCubic, guess: f64, lowers: [f64; 4]) -> f64 {
+    let cubic = ScaledCubic::new(&given.points, given.error);
+    let mut search = BranchAndBound {
+        cubic: &cubic,
+        error: cubic.part_error(),
+        best: guess,
+        square: point(&cubic.points, guess).length_squared(),
+        lower: f64::NEG_INFINITY,
+    };
+    let ends = [0.0, 0.5 * guess, guess, 0.5 * (guess + 1.0), 1.0];
+    let lowers = lowers.map(|square| cubic.bring_square(square));
+    search.branch(parts_between(&ends, &lowers));
+    search.best
 }
 
 pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
@@ -103,8 +120,11 @@ pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
 /// both are of a cubic with an error of at most `error`.
 #[inline(always)]
 pub(crate) fn enclosure(lower: f64, reached: f64, error: f64) -> DistanceEnclosure {
-    // One unit of the root is that of the root and of the difference, half of one each.
-    let low = lower.or_more(0.0).sqrt().next_down() - error;
+    // One unit of the root is that of the root and of the difference, half of one each. The number before one
+    // above zero has the bits before its own; there is none before zero, and that NaN is dropped by the
+    // choice of the larger one.
+    let root = lower.or_more(0.0).sqrt();
+    let low = f64::from_bits(root.to_bits().wrapping_sub(1)) - error;
     DistanceEnclosure {
         low: low.or_more(0.0),
         high: (root_above(reached) + error).next_up(),
@@ -150,25 +170,23 @@ struct BranchAndBound<'c> {
     square: f64,
     /// Lower bound of the squared distance.
     lower: f64,
-    /// The initial guess, and the minorants before and after it.
-    guess: f64,
-    minorants: [Minorant; 2],
 }
 
 impl<'c> BranchAndBound<'c> {
+    /// Returns a search from a guess on, and the minorants before and after that.
     #[inline]
-    fn new(cubic: &'c ScaledCubic, guess: f64) -> Self {
+    fn new(cubic: &'c ScaledCubic, guess: f64) -> (Self, [Minorant; 2]) {
         let [before, after] = split(&cubic.points, guess);
         let minorants = [Minorant::of(&before), Minorant::of(&after)];
-        Self {
+        let [before, after] = &minorants;
+        let search = Self {
             cubic,
             error: cubic.part_error(),
             best: guess,
-            square: minorants[0].base,
-            lower: minorants[0].lower().or_less(minorants[1].lower()),
-            guess,
-            minorants,
-        }
+            square: before.base,
+            lower: before.lower().or_less(after.lower()),
+        };
+        (search, minorants)
     }
 
     #[inline]
@@ -183,11 +201,10 @@ impl<'c> BranchAndBound<'c> {
 
     /// Returns an interval of all parameters at which the minimum can be, from both sides of the
     /// guess; `None` only if rounding contradicts itself.
-    fn hull(&self) -> Option<ParameterEnclosure> {
+    fn hull(&self, [before, after]: &[Minorant; 2]) -> Option<ParameterEnclosure> {
         let level = level(self.error, self.square);
-        let [before, after] = &self.minorants;
         let sides = [(before, 0.0), (after, 1.0)];
-        let reached = sides.map(|(minorant, tip)| can_reach(minorant, level, self.guess, tip));
+        let reached = sides.map(|(minorant, tip)| can_reach(minorant, level, self.best, tip));
         let reached = reached.into_iter().flatten();
         reached.reduce(ParameterEnclosure::hull)
     }
@@ -216,22 +233,18 @@ impl<'c> BranchAndBound<'c> {
         }
     }
 
+    /// Returns the parts before and after the guess.
+    fn sides(&self, minorants: &[Minorant; 2]) -> Vec<BoundedPart> {
+        let lowers = minorants.each_ref().map(Minorant::lower);
+        parts_between(&[0.0, self.best, 1.0], &lowers)
+    }
+
     /// Divides the part with the smallest lower bound (best first) until all bounds reach the
     /// target or the work limit. The bounds are valid at any time.
     #[cold]
     #[inline(never)]
-    fn branch(&mut self) -> (Vec<BoundedPart>, Effort) {
+    fn branch(&mut self, mut parts: Vec<BoundedPart>) -> (Vec<BoundedPart>, Effort) {
         let points = &self.cubic.points;
-        let [before, after] = self.minorants.map(|minorant| minorant.lower());
-        let part = |start: f64, end: f64, lower: f64, is_cut: bool| BoundedPart {
-            start,
-            end,
-            lower,
-            is_cut,
-        };
-        let mut parts = Vec::with_capacity(16);
-        parts.push(part(0.0, self.guess, before, false));
-        parts.push(part(self.guess, 1.0, after, false));
         loop {
             let least = least_index(&parts);
             let divided = parts[least];
@@ -254,8 +267,14 @@ impl<'c> BranchAndBound<'c> {
                 }
             }
             let is_cut = !divided.is_cut;
-            parts[least] = part(start, s, lower_before, is_cut);
-            parts.push(part(s, end, lower_after, is_cut));
+            let part = |start, end, lower| BoundedPart {
+                start,
+                end,
+                lower,
+                is_cut,
+            };
+            parts[least] = part(start, s, lower_before);
+            parts.push(part(s, end, lower_after));
         }
     }
 
@@ -281,6 +300,22 @@ struct BoundedPart {
     is_cut: bool,
 }
 
+/// Returns parts with a lower bound each, with room for more; their ends follow one another.
+fn parts_between(ends: &[f64], lowers: &[f64]) -> Vec<BoundedPart> {
+    let mut parts = Vec::with_capacity(16);
+    parts.extend(
+        ends.windows(2)
+            .zip(lowers)
+            .map(|(ends, &lower)| BoundedPart {
+                start: ends[0],
+                end: ends[1],
+                lower,
+                is_cut: false,
+            }),
+    );
+    parts
+}
+
 fn least_index(parts: &[BoundedPart]) -> usize {
     let mut least = 0;
     for (i, part) in parts.iter().enumerate() {
@@ -293,11 +328,8 @@ fn least_index(parts: &[BoundedPart]) -> usize {
 
 /// Returns the place to divide a part, in turns: at the apparent minimum, which separates minima,
 /// and in the middle or next to the best point. The latter serves flat minima, where bounds grow
-/// with the fourth or sixth power of the distance.
-#[allow(
-    clippy::float_cmp,
-    reason = "an end is the best point itself or is not"
-)]
+/// with the fourth or sixth power of the distance. There the best point moves a little with each cut, so
+/// that it may lie next to the end instead of at it.
 fn dividing_point(cubic: &ScaledCubic, divided: &BoundedPart, best: f64) -> f64 {
     const NEAR_BEST: f64 = 1.0 / 32.0;
     let BoundedPart { start, end, .. } = *divided;
@@ -309,10 +341,11 @@ fn dividing_point(cubic: &ScaledCubic, divided: &BoundedPart, best: f64) -> f64 
             return s;
         }
     }
-    if start == best {
-        start + NEAR_BEST * width
-    } else if end == best {
-        end - NEAR_BEST * width
+    let step = NEAR_BEST * width;
+    if (best - start).abs() <= step {
+        start + step
+    } else if (best - end).abs() <= step {
+        end - step
     } else {
         0.5 * (start + end)
     }

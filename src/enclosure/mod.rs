@@ -251,6 +251,13 @@ impl UncertainCubic {
         minimum::nearest(self, guess)
     }
 
+    /// Returns a parameter at which the least distance is attained, up to rounding: probably `guess`.
+    /// `lowers` bounds the squared distance on the halves of both sides of that, in their order; valid
+    /// within 1e-50..1e50.
+    pub(crate) fn least_parameter(&self, guess: f64, lowers: [f64; 4]) -> f64 {
+        minimum::least_parameter(self, guess, lowers)
+    }
+
     /// Returns the distance from the origin at a parameter in 0..=1.
     ///
     /// # Panics

@@ -47,7 +47,7 @@ impl ScaledCubic {
 
     /// Returns a bound on the distance between any computed part and the exact motion (F).
     pub(super) fn part_error(&self) -> f64 {
-        part_error(self.error, self.size)
+        part_error(self.error, self.size, 0.0)
     }
 
     /// Returns an enclosure in the caller's unit.
@@ -61,6 +61,11 @@ impl ScaledCubic {
         }
     }
 
+    /// Returns a square in the caller's unit, in this cubic's unit; exact but for underflow.
+    pub(super) fn bring_square(&self, square: f64) -> f64 {
+        square / self.unit / self.unit
+    }
+
     /// Returns a lower bound of a length in the caller's unit, in this cubic's unit.
     pub(super) fn bring_below(&self, length: f64) -> f64 {
         outward(length / self.unit, f64::next_down)
@@ -72,10 +77,11 @@ impl ScaledCubic {
     }
 }
 
-/// Returns a bound on the error of any part computed from a cubic of that error and size.
+/// Returns a bound on the error of any part computed from a cubic of that error and size, and halved so many
+/// times then: three roundings each.
 #[inline(always)]
-pub(crate) fn part_error(error: f64, size: f64) -> f64 {
-    (error + 9.0 * UNIT_ROUNDOFF * size) * SLACK
+pub(crate) fn part_error(error: f64, size: f64, halvings: f64) -> f64 {
+    (error + (9.0 + 3.0 * halvings) * UNIT_ROUNDOFF * size) * SLACK
 }
 
 /// Returns the product of a length and a power of two, moved outward if it is not exact.

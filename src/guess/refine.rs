@@ -50,7 +50,7 @@ pub(crate) fn refined(points: &ControlPoints<f64>, time: f64, steps: u32) -> (f6
 #[inline]
 pub(crate) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f64) {
     let largest = largest_coordinate(points);
-    if (1e-60..=1e60).contains(&largest) {
+    if (1e-40..=1e40).contains(&largest) {
         return (*points, 1.0);
     }
     let power = normalising_power(largest);

@@ -2,7 +2,6 @@
 
 use crate::guess::ControlPoints;
 use crate::real::Real;
-use std::slice;
 
 /// A view of the relative cubics of many pairs in structure-of-arrays form.
 ///
@@ -24,14 +23,6 @@ impl<'a, R: Real> Lanes<'a, R> {
             .flatten()
             .all(|slice| slice.len() == length);
         even.then_some(Self { coordinates })
-    }
-
-    /// Returns a view of one cubic.
-    pub(super) fn of_one(points: &'a ControlPoints<R>) -> Self {
-        Self {
-            coordinates: [0, 1, 2]
-                .map(|axis| points.each_ref().map(|point| slice::from_ref(&point[axis]))),
-        }
     }
 
     /// Returns the number of pairs.

@@ -1,28 +1,21 @@
 //! The closest approach of many pairs: guess, prove, try again, and finally branch and bound.
 
 use super::batch::Lanes;
-use super::enclosures::enclose;
 use super::loops::{
     BLOCK, EnclosureBlock, LaneBlock, enclose_block_finely, guess_block, guess_block_again,
-    guess_pair,
+    guess_pair, halves_of_pair,
 };
-use super::pending::{RetryQueue, whole_vectors};
+use super::pending::{Places, RetryQueue, is_positive, whole_vectors};
+use crate::enclosure::UncertainCubic;
 use crate::guess::{
-    ControlPoints, QUICK, THOROUGH, distance, largest_coordinate, local_time, normalised, refined,
-    widened,
+    ControlPoints, QUICK, THOROUGH, distance, largest_coordinate, local_time, normalised, polygon,
+    refined, widened,
 };
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
-/// Returns true if a certificate is positive, and so not NaN.
-#[inline]
-fn is_positive<R: Real>(certificate: R) -> bool {
-    certificate > R::from_f64(0.0)
-}
-
 pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) {
-    let instructions = InstructionSet::best();
-    let found = guess_pair(instructions, points);
+    let found = guess_pair(InstructionSet::best(), points);
     if is_positive(found.certificate) {
         return (
             local_time(found.settled.time),
@@ -32,17 +25,25 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
     let (wide, unit) = normalised(&widened(points));
     let error = allowance::<R>(&wide);
     let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
-    let (lanes, mut bounds) = (Lanes::of_one(&wide), EnclosureBlock::new());
-    enclose_block_finely(instructions, &lanes, &[error], &[nearest.0], &mut bounds);
-    if !bounds.is_tight(0) {
-        nearest = searched(&wide, nearest.0, error);
+    let (halves, tight) = halves_of_pair(&wide, error, nearest.0);
+    if is_wide(tight) {
+        nearest = searched(&wide, nearest.0, halves, error);
     }
     (R::from_f64(nearest.0), R::from_f64(nearest.1 * unit))
 }
 
-/// Returns the closest approach of one pair by branch and bound from a good time on.
-fn searched(points: &ControlPoints<f64>, time: f64, error: f64) -> (f64, f64) {
-    refined(points, enclose(points, error, Some(time)).time, THOROUGH)
+/// Returns true if an enclosure is not tight, but false if its numbers left the range: those of a polygon
+/// that is [`normalised`] do only if it is all zero, or not finite.
+#[inline]
+fn is_wide(tight: f64) -> bool {
+    tight == 0.0
+}
+
+/// Returns the closest approach of one pair by branch and bound from a good time on. `halves` are lower
+/// bounds of the squared distance on the halves of both sides of that.
+fn searched(points: &ControlPoints<f64>, time: f64, halves: [f64; 4], error: f64) -> (f64, f64) {
+    let cubic = UncertainCubic::finite(polygon(points), error);
+    refined(points, cubic.least_parameter(time, halves), THOROUGH)
 }
 
 /// Returns the error of a cubic, m, for which an enclosure is as tight as the lanes' type can tell;
@@ -114,10 +115,7 @@ impl<R: Real> ClosestBatch<'_, R> {
             &mut self.distances[start..end],
             certificates,
         );
-        for (place, &certificate) in certificates.iter().enumerate() {
-            if is_positive(certificate) {
-                continue;
-            }
+        for place in Places::of(certificates, |&certificate| !is_positive(certificate)) {
             self.pairs[self.count] = start + place;
             self.second.take(self.count, &self.block, place);
             self.count += 1;
@@ -167,11 +165,11 @@ impl<R: Real> ClosestBatch<'_, R> {
         let [times, distances, errors, units] = self.third.extras();
         enclose_block_finely(self.instructions, &lanes, errors, times, &mut bounds);
         for i in 0..self.third.len() {
-            let (time, distance) = if bounds.is_tight(i) {
-                (times[i], distances[i])
-            } else {
-                searched(&self.third.control_points(i), times[i], errors[i])
-            };
+            let (mut time, mut distance) = (times[i], distances[i]);
+            if is_wide(bounds.tight[i]) {
+                let points = self.third.control_points(i);
+                (time, distance) = searched(&points, time, bounds.halves(i), errors[i]);
+            }
             let pair = self.third.pair(i);
             self.times[pair] = R::from_f64(time);
             self.distances[pair] = R::from_f64(distance * units[i]);

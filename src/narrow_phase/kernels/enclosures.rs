@@ -2,7 +2,7 @@
 
 use super::batch::Lanes;
 use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block, enclose_block_finely};
-use super::pending::RetryQueue;
+use super::pending::{Places, RetryQueue, is_positive};
 use crate::enclosure::UncertainCubic;
 use crate::guess::{ControlPoints, QUICK, polygon, refined};
 use crate::simd::InstructionSet;
@@ -61,14 +61,15 @@ pub(super) fn enclosures(
             &errors[start..end],
             &mut bounds,
         );
-        for pair in start..end {
-            let found = bounds.enclosure(pair - start);
-            enclosures[pair] = found;
-            if !bounds.is_tight(pair - start) {
-                pending.push(pair, lanes.control_points(pair), [errors[pair], found.time]);
-                if pending.is_full() {
-                    enclose_again(instructions, &mut pending, enclosures);
-                }
+        for (i, enclosure) in enclosures[start..end].iter_mut().enumerate() {
+            *enclosure = bounds.enclosure(i);
+        }
+        for place in Places::of(&bounds.tight[..end - start], |&tight| !is_positive(tight)) {
+            let pair = start + place;
+            let extras = [errors[pair], bounds.times[place]];
+            pending.push(pair, lanes.control_points(pair), extras);
+            if pending.is_full() {
+                enclose_again(instructions, &mut pending, enclosures);
             }
         }
         start = end;
@@ -86,7 +87,7 @@ fn enclose_again(
     let [errors, times] = pending.extras();
     enclose_block_finely(instructions, &pending.lanes(), errors, times, &mut bounds);
     for i in 0..pending.len() {
-        enclosures[pending.pair(i)] = if bounds.is_tight(i) {
+        enclosures[pending.pair(i)] = if is_positive(bounds.tight[i]) {
             bounds.enclosure(i)
         } else {
             let points = pending.control_points(i);
@@ -105,11 +106,5 @@ impl EnclosureBlock {
             high: self.highs[i],
             time: self.times[i],
         }
-    }
-
-    /// Returns true if the enclosure is tight; false for NaN.
-    #[inline]
-    pub(super) fn is_tight(&self, i: usize) -> bool {
-        self.tight[i] > 0.0
     }
 }

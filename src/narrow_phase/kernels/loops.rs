@@ -14,7 +14,9 @@ use super::certificate::{Guess, certify, guess};
 use super::rival::{self, certify_against, contest, guess_against_rival};
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::blossom::ControlPolygon;
-use crate::enclosure::{Minorant, enclosure, from_nearer, part_error, reversed, split, target};
+use crate::enclosure::{
+    DistanceEnclosure, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
+};
 use crate::guess::{
     CentredCubic, ControlPoints, HalleyStep, LaneSquaredDistance, Vector, arrive, coordinates,
     descend, descend_safely, distance, dot, halley_step, largest_of, local_time, lowest_sample,
@@ -236,6 +238,8 @@ pub(super) struct EnclosureBlock {
     pub(super) tight: [f64; BLOCK],
     /// Squared distance at the split.
     squares: [f64; BLOCK],
+    /// Lower bounds of it on the halves of both sides of the split, in their order, if quarters were bounded.
+    halves: [[f64; BLOCK]; 4],
 }
 
 impl EnclosureBlock {
@@ -246,7 +250,12 @@ impl EnclosureBlock {
             highs: [0.0; BLOCK],
             tight: [0.0; BLOCK],
             squares: [0.0; BLOCK],
+            halves: [[0.0; BLOCK]; 4],
         }
+    }
+
+    pub(super) fn halves(&self, i: usize) -> [f64; 4] {
+        self.halves.each_ref().map(|half| half[i])
     }
 }
 
@@ -369,19 +378,24 @@ for_each_instruction_set! {
         for i in 0..count {
             let [before, _] = split(&polygon(&lanes.control_points(i)), times[i]);
             bounds.squares[i] = before[0].length_squared();
-            bounds.lows[i] = lower_near(&before);
+            bounds.halves[1][i] = lower_near(&before);
         }
         for i in 0..count {
             let [before, _] = split(&polygon(&lanes.control_points(i)), times[i]);
-            bounds.lows[i] = bounds.lows[i].or_less(lower_far(&before));
+            bounds.halves[0][i] = lower_far(&before);
         }
         for i in 0..count {
             let [_, after] = split(&polygon(&lanes.control_points(i)), times[i]);
-            bounds.highs[i] = lower_near(&after);
+            bounds.halves[2][i] = lower_near(&after);
         }
         for i in 0..count {
             let [_, after] = split(&polygon(&lanes.control_points(i)), times[i]);
-            bounds.highs[i] = bounds.highs[i].or_less(lower_far(&after));
+            bounds.halves[3][i] = lower_far(&after);
+        }
+        let [a, b, c, d] = &bounds.halves;
+        for i in 0..count {
+            bounds.lows[i] = a[i].or_less(b[i]);
+            bounds.highs[i] = c[i].or_less(d[i]);
         }
         finish_bounds(&lanes, errors, bounds, 2.0);
     }
@@ -423,21 +437,56 @@ fn finish_bounds(
     let lanes = lanes.first(count);
     for i in 0..count {
         let bound = bounds.lows[i].or_less(bounds.highs[i]);
-        let [p0, p1, p2, p3] = lanes.control_points(i);
-        let squares = [dot(p0, p0), dot(p1, p1), dot(p2, p2), dot(p3, p3)];
-        // Not a number where one of them is none.
-        let size = largest_of(squares).sqrt() * (1.0 + 4.0 * f64::ROUNDING);
-        // Each halving has three roundings.
-        let error = part_error(errors[i] + 3.0 * halvings * f64::ROUNDING * size, size);
-        let found = enclosure(bound, bounds.squares[i], error);
-        bounds.lows[i] = found.low;
-        bounds.highs[i] = found.high;
-        let is_tight = bound >= target(size, error, bounds.squares[i]);
-        let tight = if is_tight { 1.0 } else { 0.0 };
-        // Negative errors, and those that are no numbers, prove nothing; nor do squares out of range.
-        let is_served = (size > 1e-50) & (size < 1e50) & (errors[i] >= 0.0);
-        bounds.tight[i] = if is_served { tight } else { -1.0 };
+        let found = finish(
+            &lanes.control_points(i),
+            errors[i],
+            bounds.squares[i],
+            bound,
+            halvings,
+        );
+        bounds.lows[i] = found.0.low;
+        bounds.highs[i] = found.0.high;
+        bounds.tight[i] = found.1;
     }
+}
+
+/// Returns the enclosure of a distance from its square at a split and a lower bound of that, and
+/// [`EnclosureBlock::tight`].
+#[inline(always)]
+fn finish(
+    [p0, p1, p2, p3]: &ControlPoints<f64>,
+    error: f64,
+    square: f64,
+    bound: f64,
+    halvings: f64,
+) -> (DistanceEnclosure, f64) {
+    let squares = [dot(*p0, *p0), dot(*p1, *p1), dot(*p2, *p2), dot(*p3, *p3)];
+    // Not a number where one of them is none.
+    let size = largest_of(squares).sqrt() * (1.0 + 4.0 * f64::ROUNDING);
+    let total = part_error(error, size, halvings);
+    let is_tight = bound >= target(size, total, square);
+    let tight = if is_tight { 1.0 } else { 0.0 };
+    // Negative errors, and those that are no numbers, prove nothing; nor do squares out of range.
+    let is_served = (size > 1e-50) & (size < 1e50) & (error >= 0.0);
+    (
+        enclosure(bound, square, total),
+        if is_served { tight } else { -1.0 },
+    )
+}
+
+/// Returns bounds as [`EnclosureBlock::halves`] for a pair, and [`EnclosureBlock::tight`].
+#[inline]
+pub(super) fn halves_of_pair(
+    points: &ControlPoints<f64>,
+    error: f64,
+    time: f64,
+) -> ([f64; 4], f64) {
+    let [before, after] = split(&polygon(points), time);
+    let [a, b] = [lower_far(&before), lower_near(&before)];
+    let [c, d] = [lower_near(&after), lower_far(&after)];
+    let bound = (a.or_less(b)).or_less(c.or_less(d));
+    let (_, tight) = finish(points, error, before[0].length_squared(), bound, 2.0);
+    ([a, b, c, d], tight)
 }
 
 // Two functions: a screen that is an argument is called for each pair, and not vectorised.

@@ -10,6 +10,55 @@ pub(super) fn whole_vectors<R>(count: usize) -> usize {
     count.next_multiple_of(64 / size_of::<R>())
 }
 
+/// Returns true if a certificate is positive, and so not NaN.
+#[inline(always)]
+pub(super) fn is_positive<R: Real>(certificate: R) -> bool {
+    certificate > R::from_f64(0.0)
+}
+
+/// Places in a block, in order: a byte for each that is 1 if the place is one of them. Eight are skipped at
+/// once, for most blocks have few.
+#[derive(Debug)]
+pub(super) struct Places {
+    words: [u64; BLOCK / 8],
+    /// Number of words that are done.
+    done: usize,
+}
+
+impl Places {
+    /// Returns the places of the values of a block for which a test is true.
+    #[inline(always)]
+    pub(super) fn of<T>(values: &[T], test: impl Fn(&T) -> bool) -> Self {
+        let mut flags = [0; BLOCK];
+        for (flag, value) in flags.iter_mut().zip(values) {
+            *flag = u8::from(test(value));
+        }
+        let mut words: [u64; BLOCK / 8] = bytemuck::cast(flags);
+        // The first place is the lowest byte.
+        for word in &mut words {
+            *word = u64::from_le(*word);
+        }
+        Self { words, done: 0 }
+    }
+}
+
+impl Iterator for Places {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        while let Some(word) = self.words.get_mut(self.done) {
+            if *word != 0 {
+                let place = 8 * self.done + word.trailing_zeros() as usize / 8;
+                *word &= *word - 1;
+                return Some(place);
+            }
+            self.done += 1;
+        }
+        None
+    }
+}
+
 /// Up to a block of pairs, each with `EXTRAS` more numbers.
 #[derive(Debug)]
 pub(super) struct RetryQueue<R, const EXTRAS: usize> {

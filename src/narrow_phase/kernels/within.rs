@@ -5,7 +5,7 @@ use super::enclosures::enclose;
 use super::loops::{
     BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
 };
-use super::pending::RetryQueue;
+use super::pending::{Places, RetryQueue};
 use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::guess::{ControlPoints, largest_coordinate, widened};
 use crate::real::Real;
@@ -93,15 +93,14 @@ pub(super) fn within<R: Real>(
             &outer[start..end],
             found,
         );
-        for pair in start..end {
-            if screening.verdicts[pair] == Verdict::Undecided {
-                let points = lanes.control_points(pair);
-                screening
-                    .second
-                    .push(pair, points, [inner[pair], outer[pair]]);
-                if screening.second.is_full() {
-                    screening.screen_again();
-                }
+        for place in Places::of(found, |&verdict| verdict == Verdict::Undecided) {
+            let pair = start + place;
+            let points = lanes.control_points(pair);
+            screening
+                .second
+                .push(pair, points, [inner[pair], outer[pair]]);
+            if screening.second.is_full() {
+                screening.screen_again();
             }
         }
         start = end;
@@ -113,10 +112,6 @@ pub(super) fn within<R: Real>(
 impl<R: Real> WithinBatch<'_, R> {
     /// Applies the second screen to the waiting pairs.
     fn screen_again(&mut self) {
-        // Room for as many as may stay undecided.
-        if self.third.len() + self.second.len() > BLOCK {
-            self.enclose();
-        }
         let mut verdicts = [Verdict::Undecided; BLOCK];
         let verdicts = &mut verdicts[..self.second.width()];
         let [inner, outer] = self.second.extras();
@@ -127,14 +122,17 @@ impl<R: Real> WithinBatch<'_, R> {
             outer,
             verdicts,
         );
-        for (i, found) in verdicts[..self.second.len()].iter().enumerate() {
+        for i in 0..self.second.len() {
             let pair = self.second.pair(i);
-            self.verdicts[pair] = *found;
-            if *found == Verdict::Undecided {
+            self.verdicts[pair] = verdicts[i];
+            if verdicts[i] == Verdict::Undecided {
                 let wide = widened(&self.second.control_points(i));
+                let [inner, outer] = self.second.extras().map(|extra| extra[i].to_f64());
                 let error = conversion_error::<R>(&wide);
-                self.third
-                    .push(pair, wide, [inner[i].to_f64(), outer[i].to_f64(), error]);
+                self.third.push(pair, wide, [inner, outer, error]);
+                if self.third.is_full() {
+                    self.enclose();
+                }
             }
         }
         self.second.clear();
