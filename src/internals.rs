@@ -92,7 +92,7 @@ pub trait QueryInternals: Sized {
 
     /// Returns the query with this number of slices of the window, at most a million, instead of
     /// the cheapest number. The answer does not depend on it if there is room for the candidates of
-    /// a slice (2^26, or [`max_spans`](Query::max_spans) if that is more).
+    /// a slice (2^22, or [`max_spans`](Query::max_spans) if that is more).
     #[must_use]
     fn with_slices(self, slices: NonZeroU32) -> Self;
 

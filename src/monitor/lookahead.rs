@@ -349,6 +349,11 @@ impl LookaheadSearch {
             limits: self.limits(),
         };
         let slices = self.slices.make_contiguous();
+        // What is reported at its very start may be found in a slice.
+        let before = |slice: &LookaheadSlice| {
+            let start = self.grid.start(slice.number).max(from);
+            earliest_exact(start).next_down().max(from).min(to)
+        };
         let (mut known, mut is_done) = (to, true);
         slices[..needed].iter_mut().for_each(LookaheadSlice::need);
         if let [.., last, next] = slices {
@@ -386,6 +391,11 @@ impl LookaheadSearch {
                 }
             });
             is_done = found.into_inner() <= most;
+            // The filter may have given up.
+            let mut stale = slices[..needed]
+                .iter()
+                .filter(|slice| !slice.is_fresh(&bodies));
+            known = stale.next().map_or(to, before);
         } else {
             let mut found = 0;
             for (number, slice) in slices.iter_mut().enumerate() {
@@ -411,8 +421,7 @@ impl LookaheadSearch {
                 }
                 found += slice.survivors.len();
                 if is_needed && !slice.is_fresh(&bodies) {
-                    // What is reported at its very start may be found in it.
-                    known = earliest_exact(start).next_down().max(from).min(to);
+                    known = before(slice);
                     break;
                 }
             }

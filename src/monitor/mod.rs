@@ -319,13 +319,15 @@ impl Monitor {
 
     /// Sets the limit of spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) by default. A span
     /// counts if its bodies come within the largest release margin in the lookahead: a common interval of a
-    /// cubic of one body with a cubic of another. Clusters have one for each two spheres that matter. Each
-    /// slice of time has room for eight times as many spans that cheap tests cannot rule out, and for 2^26
-    /// pairs whose boxes meet, whatever the limit. If all bodies are in one place, all pairs count: a tick
-    /// then ends with [`Error::TooCrowded`] instead of filling the memory.
+    /// cubic of one body with a cubic of another. Clusters have one for each two spheres that matter. Spans in
+    /// the time that the clock passes over in the tick count as well. Each slice of time has room for eight times
+    /// as many spans that cheap tests cannot rule out, and for as many pairs whose boxes meet as the limit says,
+    /// but at least 2^22. If all bodies are in one place, all pairs count: a tick then ends with
+    /// [`Error::TooCrowded`] instead of filling the memory.
     ///
     /// The tick after such an error looks at everything anew. Before it, remove bodies, ignore pairs, use
-    /// layers, or raise the limit.
+    /// layers, or raise the limit. Past too many encounters the clock gets in several shorter
+    /// steps.
     pub fn set_max_spans(&mut self, limit: usize) {
         self.search.max_spans = limit;
         #[cfg(feature = "recording")]

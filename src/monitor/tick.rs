@@ -35,8 +35,8 @@ impl Monitor {
     ///
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] with [`Error::OutOfRange`] or
     /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies
-    /// ahead than [the limit allows](Self::set_max_spans). The clock stays where it was, and no event is
-    /// reported. After `TooCrowded` the next tick looks at everything anew.
+    /// ahead, or on the way, than [the limit allows](Self::set_max_spans). The clock stays where it was, and no
+    /// event is reported. After `TooCrowded` the next tick looks at everything anew.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }

@@ -20,6 +20,8 @@ pub(super) struct TrackedMotions {
     place_of: Vec<usize>,
     /// Spins that were given, with the place of the body.
     pub(super) spins: Vec<(usize, TrackedSpin)>,
+    /// Number of the spin of each place, valid if that entry is of this place.
+    spin_of: Vec<usize>,
     /// Changes of bodies whose motion is not replaced in place.
     pub(super) others: Vec<TrackedChange>,
 }
@@ -59,13 +61,33 @@ impl TrackedMotions {
         let place = &mut self.place_of[slot];
         if self.ids.get(*place) == Some(&id) {
             self.motions[*place] = motion;
-            self.spins.retain(|(other, _)| other != place);
+            let place = *place;
+            self.forget_spin(place);
         } else {
             *place = self.ids.len();
             self.ids.push(id);
             self.motions.push(motion);
         }
-        self.spins.extend(spin.map(|spin| (*place, spin)));
+        if let Some(spin) = spin {
+            let place = self.place_of[slot];
+            if self.spin_of.len() <= place {
+                self.spin_of.resize(place + 1, 0);
+            }
+            self.spin_of[place] = self.spins.len();
+            self.spins.push((place, spin));
+        }
+    }
+
+    /// Forgets the spin of the body at a place, if there is one.
+    fn forget_spin(&mut self, place: usize) {
+        let number = self.spin_of.get(place).copied();
+        let is_own = |number: &usize| self.spins.get(*number).is_some_and(|spin| spin.0 == place);
+        if let Some(number) = number.filter(is_own) {
+            self.spins.swap_remove(number);
+            if let Some((moved, _)) = self.spins.get(number) {
+                self.spin_of[*moved] = number;
+            }
+        }
     }
 
     /// Returns the slots of the bodies whose motions are replaced in place.

@@ -122,7 +122,13 @@ impl<'s> Partners<'s> {
 
     /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
     pub(crate) const fn version(&self) -> (u64, u64) {
-        (self.kinds.version, self.kinds.largest.to_bits())
+        // Only a negative margin asks for radii.
+        let largest = if self.margin >= 0.0 {
+            0.0
+        } else {
+            self.kinds.largest
+        };
+        (self.kinds.version, largest.to_bits())
     }
 }
 
@@ -136,4 +142,35 @@ pub(crate) const fn radius(body: &Body) -> f64 {
 pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
     let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
     one + other + margin >= -rounding
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use crate::hitbox::Hitbox;
+    use crate::trajectory::Trajectory;
+    use glam::DVec3;
+
+    /// Whoever sees another version goes through all bodies: not for each body that is larger than all before it.
+    #[test]
+    fn a_larger_body_is_another_version_where_radii_count() {
+        let mut kinds = Kinds::default();
+        let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+        let mut version_with = |radius: f64, margin: f64| {
+            kinds.add(&rest.clone().with_hitbox(Hitbox::sphere(radius).unwrap()));
+            Partners::of(&kinds, margin).version()
+        };
+        // The first two are partners from the second one on.
+        let _ = [1.0, 2.0].map(|radius| version_with(radius, 0.0));
+        let mut radius = 2.0;
+        for (margin, changes) in [(0.0, false), (5.0, false), (-1.0, true)] {
+            let before = version_with(radius, margin);
+            radius += 1.0;
+            let larger = version_with(radius, margin);
+            assert_eq!(before != larger, changes, "{margin}");
+            assert_eq!(larger, version_with(radius, margin));
+        }
+    }
 }

@@ -1,12 +1,17 @@
 //! Calls of `track` that are refused, that name a body twice, and what remains of it on paper.
 
-use super::support::rng;
+use super::support::{rng, vector};
 use super::tracked::{LEVELS, LOOKAHEAD, Pair, Seen, any_state, are_same};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 #[cfg(feature = "serde")]
 use nearmiss::{AlertLevel, Outside};
-use nearmiss::{Body, BodyId, Budget, Error, Monitor, Quantity, Scene, State, Trajectory};
+use nearmiss::{
+    Body, BodyId, BodyState, Budget, Error, Monitor, Quantity, Scene, State, Trajectory,
+};
 use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// A life of some ticks; the same each time.
 fn started() -> Pair {
@@ -178,6 +183,75 @@ fn of_a_body_that_is_named_twice_the_last_state_counts() {
         monitor.advance(now, &mut Vec::new()).unwrap();
         assert_eq!(monitor.stats().changed, changed, "{now}");
     }
+}
+
+/// Returns bodies that turn, in a row, and a state of each at an instant (s).
+fn turning(rng: &mut ChaCha8Rng, count: usize, now: f64) -> (Monitor, Vec<(BodyId, BodyState)>) {
+    let mut scene = Scene::new();
+    let states = (0..count).map(|number| {
+        let position = 9.0 * number as f64 * DVec3::X;
+        let body = Body::new(Trajectory::at_rest(position).unwrap());
+        (
+            scene.insert(body).unwrap(),
+            turning_state(rng, position, now),
+        )
+    });
+    let states = states.collect();
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    (monitor, states)
+}
+
+fn turning_state(rng: &mut ChaCha8Rng, position: DVec3, now: f64) -> BodyState {
+    let state = BodyState::from(State::new(now, position, vector(rng, 1.0)));
+    let rotation = DQuat::from_scaled_axis(vector(rng, 1.0));
+    state.with_spin(rotation, vector(rng, 1.0))
+}
+
+/// With its spin, or without one: whatever states of the same and of other bodies come before it.
+#[test]
+fn the_last_state_counts_with_its_spin() {
+    let mut rng = rng(434);
+    let (mut monitor, states) = turning(&mut rng, 60, 1.0);
+    let mut alone = Monitor::restore(monitor.snapshot()).unwrap();
+    for frame in 1..40 {
+        let now = 0.05 * f64::from(frame);
+        let mut told = Vec::new();
+        for _ in 0..rng.random_range(1..200) {
+            let (id, state) = states[rng.random_range(0..states.len())];
+            let mut state = turning_state(&mut rng, state.state.position, now);
+            if rng.random_bool(0.4) {
+                state.spin = None;
+            }
+            told.push((id, state));
+        }
+        let last: BTreeMap<BodyId, BodyState> = told.iter().copied().collect();
+        monitor.track(now, told).unwrap();
+        alone.track(now, last).unwrap();
+        assert!(
+            monitor.scene().bodies().eq(alone.scene().bodies()),
+            "{frame}"
+        );
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        alone.advance(now, &mut Vec::new()).unwrap();
+    }
+}
+
+/// Not as many times as long as there are bodies.
+#[test]
+fn naming_all_bodies_twice_takes_a_few_times_as_long() {
+    let (mut monitor, once) = turning(&mut rng(435), 20_000, 1.0);
+    let twice = [&once[..], &once].concat();
+    let mut fastest = |states: &[(BodyId, BodyState)]| {
+        let times = (0..3).map(|_| {
+            let begin = Instant::now();
+            monitor.track(1.0, states.iter().copied()).unwrap();
+            begin.elapsed()
+        });
+        times.min().unwrap()
+    };
+    let [one, two] = [&once, &twice].map(|states| fastest(states));
+    assert!(two < 8 * one, "{one:?} {two:?}");
 }
 
 /// Plans that were replaced in place, written down and read again.
