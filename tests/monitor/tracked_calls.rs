@@ -11,7 +11,6 @@ use nearmiss::{
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// A life of some ticks; the same each time.
 fn started() -> Pair {
@@ -235,23 +234,6 @@ fn the_last_state_counts_with_its_spin() {
         monitor.advance(now, &mut Vec::new()).unwrap();
         alone.advance(now, &mut Vec::new()).unwrap();
     }
-}
-
-/// Not as many times as long as there are bodies.
-#[test]
-fn naming_all_bodies_twice_takes_a_few_times_as_long() {
-    let (mut monitor, once) = turning(&mut rng(435), 20_000, 1.0);
-    let twice = [&once[..], &once].concat();
-    let mut fastest = |states: &[(BodyId, BodyState)]| {
-        let times = (0..3).map(|_| {
-            let begin = Instant::now();
-            monitor.track(1.0, states.iter().copied()).unwrap();
-            begin.elapsed()
-        });
-        times.min().unwrap()
-    };
-    let [one, two] = [&once, &twice].map(|states| fastest(states));
-    assert!(two < 8 * one, "{one:?} {two:?}");
 }
 
 /// Plans that were replaced in place, written down and read again.
