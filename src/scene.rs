@@ -12,6 +12,7 @@ mod planned;
 mod sample;
 #[cfg(feature = "serde")]
 mod serial;
+mod slot;
 mod update;
 
 pub(crate) use arena::CubicArena;
@@ -24,6 +25,8 @@ pub(crate) use ignored::IgnoredPairs;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 pub(crate) use planned::planned;
+pub(crate) use slot::Slot;
+use slot::SlotKey;
 pub use update::{BodyState, Spin};
 
 use crate::bounds::DAabb;
@@ -33,47 +36,9 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
-use crate::simd::{prefetch, prefetch_first};
-use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
+use crate::simd::prefetch;
+use crate::trajectory::{StraightMotion, Trajectory};
 use std::slice::from_ref;
-
-/// A place for a body: three cache lines.
-#[derive(Debug, Default)]
-#[repr(align(64))]
-pub(crate) struct Slot {
-    entry: Option<SceneEntry>,
-}
-
-/// The generation of a slot, and whether a body is in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct SlotKey {
-    generation: u32,
-    is_taken: bool,
-}
-
-impl Slot {
-    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_as_usual).
-    #[inline]
-    pub(crate) fn replace_as_usual(
-        &mut self,
-        (from, motion, since): (f64, &StraightMotion, f64),
-    ) -> Option<(&Trajectory, LastMotion)> {
-        let entry = self.entry.as_mut()?;
-        Some(entry.replace_as_usual((from, motion, since)))
-    }
-
-    /// Prefetches the first cache line of the record: the motion begins there.
-    pub(crate) fn prefetch_first(&self) {
-        prefetch_first(self);
-    }
-
-    /// Prefetches what the body's motion has beside the first cache line of the record.
-    pub(crate) fn prefetch_motion(&self) {
-        if let Some(entry) = &self.entry {
-            entry.body.trajectory.prefetch();
-        }
-    }
-}
 
 /// The bodies that are screened against each other.
 ///

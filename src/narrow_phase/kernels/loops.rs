@@ -12,7 +12,6 @@
 use super::batch::Lanes;
 use super::certificate::{Guess, certify, guess};
 use super::rival::{self, certify_against, contest, guess_against_rival};
-use super::screen::{Verdict, screen_eighths, screen_halves};
 use crate::blossom::ControlPolygon;
 use crate::enclosure::{
     DistanceEnclosure, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
@@ -487,29 +486,4 @@ pub(super) fn halves_of_pair(
     let bound = (a.or_less(b)).or_less(c.or_less(d));
     let (_, tight) = finish(points, error, before[0].length_squared(), bound, 2.0);
     ([a, b, c, d], tight)
-}
-
-// Two functions: a screen that is an argument is called for each pair, and not vectorised.
-for_each_instruction_set! {
-    /// Screens each pair of a block on the [halves](super::screen::screen_halves) of its span.
-    fn screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict]) {
-        let count = verdicts.len();
-        let lanes = lanes.first(count);
-        let (inner, outer) = (&inner[..count], &outer[..count]);
-        for i in 0..count {
-            verdicts[i] = screen_halves(lanes.control_points(i), inner[i], outer[i]);
-        }
-    }
-}
-
-for_each_instruction_set! {
-    /// Screens each pair of a block on the [eighths](super::screen::screen_eighths) of its span.
-    fn screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict]) {
-        let count = verdicts.len();
-        let lanes = lanes.first(count);
-        let (inner, outer) = (&inner[..count], &outer[..count]);
-        for i in 0..count {
-            verdicts[i] = screen_eighths(lanes.control_points(i), inner[i], outer[i]);
-        }
-    }
 }

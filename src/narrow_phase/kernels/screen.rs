@@ -5,9 +5,15 @@
 //! computed coefficient is within 7 u M² of that of the given points, or 8 u M² of that of the
 //! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
 //! margins below are at least twice that.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "many slices with one index is what is vectorised, and what is easiest to read"
+)]
 
+use super::batch::Lanes;
 use crate::guess::{ControlPoints, dot, largest_of};
 use crate::real::Real;
+use crate::simd::{InstructionSet, for_each_instruction_set};
 
 /// The relation of a pair of bodies to a threshold during a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -134,4 +140,29 @@ fn halves<R: Real>(k: [R; 7]) -> ([R; 7], [R; 7]) {
         i += 1;
     }
     (left, right)
+}
+
+// Two functions: a screen that is an argument is called for each pair, and not vectorised.
+for_each_instruction_set! {
+    /// Screens each pair of a block on the [halves](screen_halves) of its span.
+    fn screen_block<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict]) {
+        let count = verdicts.len();
+        let lanes = lanes.first(count);
+        let (inner, outer) = (&inner[..count], &outer[..count]);
+        for i in 0..count {
+            verdicts[i] = screen_halves(lanes.control_points(i), inner[i], outer[i]);
+        }
+    }
+}
+
+for_each_instruction_set! {
+    /// Screens each pair of a block on the [eighths](screen_eighths) of its span.
+    fn screen_block_finely<R: Real>(lanes: &Lanes<'_, R>, inner: &[R], outer: &[R], verdicts: &mut [Verdict]) {
+        let count = verdicts.len();
+        let lanes = lanes.first(count);
+        let (inner, outer) = (&inner[..count], &outer[..count]);
+        for i in 0..count {
+            verdicts[i] = screen_eighths(lanes.control_points(i), inner[i], outer[i]);
+        }
+    }
 }

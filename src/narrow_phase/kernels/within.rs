@@ -2,11 +2,9 @@
 
 use super::batch::Lanes;
 use super::enclosures::enclose;
-use super::loops::{
-    BLOCK, EnclosureBlock, LaneBlock, enclose_block, screen_block, screen_block_finely,
-};
+use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block};
 use super::pending::{Places, RetryQueue};
-use super::screen::{Verdict, screen_eighths, screen_halves};
+use super::screen::{Verdict, screen_block, screen_block_finely, screen_eighths, screen_halves};
 use crate::guess::{ControlPoints, largest_coordinate, widened};
 use crate::real::Real;
 use crate::simd::InstructionSet;

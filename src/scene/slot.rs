@@ -1,0 +1,43 @@
+//! Places for bodies.
+
+use super::entry::SceneEntry;
+use crate::simd::prefetch_first;
+use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
+
+/// A place for a body: three cache lines.
+#[derive(Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct Slot {
+    pub(super) entry: Option<SceneEntry>,
+}
+
+/// The generation of a slot, and whether a body is in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct SlotKey {
+    pub(super) generation: u32,
+    pub(super) is_taken: bool,
+}
+
+impl Slot {
+    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_as_usual).
+    #[inline]
+    pub(crate) fn replace_as_usual(
+        &mut self,
+        (from, motion, since): (f64, &StraightMotion, f64),
+    ) -> Option<(&Trajectory, LastMotion)> {
+        let entry = self.entry.as_mut()?;
+        Some(entry.replace_as_usual((from, motion, since)))
+    }
+
+    /// Prefetches the first cache line of the record: the motion begins there.
+    pub(crate) fn prefetch_first(&self) {
+        prefetch_first(self);
+    }
+
+    /// Prefetches what the body's motion has beside the first cache line of the record.
+    pub(crate) fn prefetch_motion(&self) {
+        if let Some(entry) = &self.entry {
+            entry.body.trajectory.prefetch();
+        }
+    }
+}
