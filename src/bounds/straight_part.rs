@@ -30,7 +30,7 @@ impl StraightPart {
         // The fourth number of each has no meaning, and comes to nothing by this.
         let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
-        // Loops over four lanes: the compiler takes one instruction for all.
+        // A loop over four lanes: the compiler takes one instruction for all.
         let (mut first, mut last, mut error) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
             let moved = since.map(|since| velocity[lane] * since);

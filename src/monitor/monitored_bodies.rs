@@ -64,10 +64,7 @@ impl MonitoredBody {
     #[inline]
     pub(super) fn replan(&mut self, trajectory: &Trajectory, window: Window) -> Result<(), Error> {
         (self.beyond, self.is_extended) = ((0, 0), false);
-        self.begin = window.start();
-        let knots = Knots::of(trajectory.cuts());
-        self.ends = knots.ends();
-        self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
+        self.take_knots(trajectory, window);
         self.last = trajectory.last_motion();
         if self.ends.0 < window.start() && window.end() < self.ends.1 {
             // Its own cubics serve.
@@ -85,12 +82,18 @@ impl MonitoredBody {
     /// followed there, without pieces beyond it.
     #[inline]
     pub(super) fn replace(&mut self, trajectory: &Trajectory, last: LastMotion, window: Window) {
+        self.take_knots(trajectory, window);
+        self.last = last;
+        self.is_endless = true;
+    }
+
+    /// Takes the facts about a plan between its knots.
+    #[inline]
+    fn take_knots(&mut self, trajectory: &Trajectory, window: Window) {
         let knots = Knots::of(trajectory.cuts());
         self.begin = window.start();
         self.ends = knots.ends();
         self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
-        self.last = last;
-        self.is_endless = true;
     }
 
     /// Returns the instant up to which a plan without end is followed, s; infinite for a plan with an end.

@@ -58,18 +58,17 @@ impl TrackedMotions {
         if self.place_of.len() <= slot {
             self.place_of.resize(slot + 1, 0);
         }
-        let place = &mut self.place_of[slot];
-        if self.ids.get(*place) == Some(&id) {
-            self.motions[*place] = motion;
-            let place = *place;
+        let mut place = self.place_of[slot];
+        if self.ids.get(place) == Some(&id) {
+            self.motions[place] = motion;
             self.forget_spin(place);
         } else {
-            *place = self.ids.len();
+            place = self.ids.len();
+            self.place_of[slot] = place;
             self.ids.push(id);
             self.motions.push(motion);
         }
         if let Some(spin) = spin {
-            let place = self.place_of[slot];
             if self.spin_of.len() <= place {
                 self.spin_of.resize(place + 1, 0);
             }

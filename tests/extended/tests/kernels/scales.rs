@@ -71,6 +71,28 @@ fn pairs_at_rest() {
     }
 }
 
+/// Returns a pair whose distance along one axis vanishes at three times, while it is about as far away along
+/// another one: the least of three minima takes a search.
+fn triple_pass(random: &mut ChaCha8Rng) -> ControlPoints<f64> {
+    let [a, b, c] = [0.0, 0.35, 0.7].map(|least| least + random.random_range(0.0..0.3));
+    // The blossom of (s - a) (s - b) (s - c).
+    let at = |x: f64, y: f64, z: f64| {
+        let (sum, pairs) = (a + b + c, a * b + b * c + c * a);
+        x * y * z - sum * (x * y + y * z + z * x) / 3.0 + pairs * (x + y + z) / 3.0 - a * b * c
+    };
+    let along = [
+        at(0.0, 0.0, 0.0),
+        at(0.0, 0.0, 1.0),
+        at(0.0, 1.0, 1.0),
+        at(1.0, 1.0, 1.0),
+    ];
+    let aside = 10_f64.powf(random.random_range(-4.0..-1.0));
+    along.map(|along| {
+        let near = aside * (1.0 + 0.01 * random.random_range(-1.0..1.0));
+        [along, near, 0.01 * aside * random.random_range(-1.0..1.0)]
+    })
+}
+
 /// Squares overflow or underflow, of f64 or of the f32 that proofs are made in.
 #[test]
 fn the_same_at_every_scale() {
@@ -85,9 +107,13 @@ fn the_same_at_every_scale() {
             })
         })
         .collect();
+    let passes = (0..2_000).map(|_| triple_pass(&mut random));
+    let pairs: Vec<_> = pairs.into_iter().chain(passes).collect();
     let errors = vec![0.0; pairs.len()];
     let exact = enclosures(InstructionSet::best(), &pairs, &errors);
-    for exponent in [-990, -700, -500, -70, -60, 55, 64, 70, 110, 300, 520, 980] {
+    for exponent in [
+        -990, -700, -500, -185, -150, -70, -60, 55, 64, 70, 110, 150, 185, 300, 520, 980,
+    ] {
         let unit = 2_f64.powi(exponent);
         let scaled: Vec<_> = pairs
             .iter()
