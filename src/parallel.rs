@@ -1,52 +1,173 @@
 //! Work on all threads of the current rayon pool, or on the caller's without the feature
 //! `parallel`.
+//!
+//! Divided work meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
+//! each closure: with them the crate had a fifth more code to compile.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
-/// Returns `work(scratch, index)` for each index below `count`, in index order, with one scratch
-/// per thread. A single item stays on this thread: waking another one takes longer.
-#[cfg(feature = "parallel")]
-pub(crate) fn map<I, S, T>(
-    count: I,
-    scratch: impl Fn() -> S + Sync + Send,
-    work: impl Fn(&mut S, I) -> T + Sync + Send,
-) -> Vec<T>
-where
-    I: Copy + Default + Send,
-    std::ops::Range<I>: Iterator<Item = I> + rayon::iter::IntoParallelIterator<Item = I>,
-    <std::ops::Range<I> as rayon::iter::IntoParallelIterator>::Iter:
-        rayon::iter::IndexedParallelIterator,
-    T: Send,
-{
-    use rayon::iter::{IntoParallelIterator, ParallelIterator};
-    let mut indices = I::default()..count;
-    match (indices.next(), indices.next()) {
-        (only, None) => only
-            .into_iter()
-            .map(|index| work(&mut scratch(), index))
-            .collect(),
-        _ => (I::default()..count)
-            .into_par_iter()
-            .map_init(scratch, work)
-            .collect(),
+/// Work that can be divided.
+#[cfg_attr(
+    not(feature = "parallel"),
+    allow(dead_code, reason = "one thread does all")
+)]
+trait Divide: Sized + Send {
+    /// The last parts are begun first, so that increasing work ends evenly.
+    const LAST_FIRST: bool = false;
+
+    /// Returns the number of parts that it can be divided into.
+    fn count(&self) -> usize;
+
+    /// Returns the parts before `middle`, and the others.
+    fn divide(self, middle: usize) -> (Self, Self);
+}
+
+impl Divide for Range<usize> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn divide(self, middle: usize) -> (Self, Self) {
+        let middle = self.start + middle;
+        (self.start..middle, middle..self.end)
     }
 }
 
-/// Returns `work(scratch, index)` for each index below `count`, in index order.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn map<I, S, T>(
-    count: I,
-    scratch: impl Fn() -> S,
-    work: impl Fn(&mut S, I) -> T,
-) -> Vec<T>
-where
-    I: Default,
-    std::ops::Range<I>: Iterator<Item = I>,
-{
-    let mut scratch = scratch();
-    (I::default()..count)
-        .map(|index| work(&mut scratch, index))
-        .collect()
+/// Chunks of items; the last may have fewer.
+#[cfg_attr(
+    not(feature = "parallel"),
+    allow(dead_code, reason = "one thread does all")
+)]
+struct Chunks<'a, T> {
+    items: &'a mut [T],
+    size: usize,
+}
+
+impl<T: Send> Divide for Chunks<'_, T> {
+    const LAST_FIRST: bool = true;
+
+    fn count(&self) -> usize {
+        self.items.len().div_ceil(self.size)
+    }
+
+    fn divide(self, middle: usize) -> (Self, Self) {
+        let size = self.size;
+        let (items, others) = self.items.split_at_mut(middle * size);
+        let others = Self {
+            items: others,
+            size,
+        };
+        (Self { items, size }, others)
+    }
+}
+
+/// Chunks of two lists, and a value for each.
+struct Shares<'a, T, U, V> {
+    lists: (Chunks<'a, T>, Chunks<'a, U>),
+    own: Chunks<'a, V>,
+}
+
+impl<T: Send, U: Send, V: Send> Divide for Shares<'_, T, U, V> {
+    fn count(&self) -> usize {
+        self.lists.0.count()
+    }
+
+    fn divide(self, middle: usize) -> (Self, Self) {
+        let (one, one_after) = self.lists.0.divide(middle);
+        let (other, other_after) = self.lists.1.divide(middle);
+        let (own, own_after) = self.own.divide(middle);
+        let after = Self {
+            lists: (one_after, other_after),
+            own: own_after,
+        };
+        let lists = (one, other);
+        (Self { lists, own }, after)
+    }
+}
+
+/// Runs two tasks, on two threads if another one has time. A task is told whether another thread took
+/// it over.
+#[cfg(feature = "parallel")]
+pub(crate) fn run_both(one: &mut (dyn FnMut(bool) + Send), other: &mut (dyn FnMut(bool) + Send)) {
+    rayon::join_context(
+        |context| one(context.migrated()),
+        |context| other(context.migrated()),
+    );
+}
+
+/// Divides work among the threads, and returns the results of its shares in order. `first` is the number
+/// of its first part.
+///
+/// There are some shares for each thread. One that takes a share over from another divides it again: it has
+/// nothing else to do.
+#[cfg(feature = "parallel")]
+fn share_out<W: Divide, T: Send>(
+    work: W,
+    first: usize,
+    (divisions, is_taken_over): (usize, bool),
+    task: &(dyn Fn(usize, W) -> T + Sync),
+) -> Vec<T> {
+    let divisions = if is_taken_over {
+        threads().max(divisions)
+    } else {
+        divisions
+    };
+    let middle = work.count() / 2;
+    if middle == 0 || divisions == 0 {
+        return vec![task(first, work)];
+    }
+    let (before, after) = work.divide(middle);
+    let (mut before, mut after) = (Some(before), Some(after));
+    let (mut results, mut later) = (Vec::new(), Vec::new());
+    let half = divisions / 2;
+    let mut first_half = |is_taken_over| {
+        if let Some(before) = before.take() {
+            results = share_out(before, first, (half, is_taken_over), task);
+        }
+    };
+    let mut second_half = |is_taken_over| {
+        if let Some(after) = after.take() {
+            later = share_out(after, first + middle, (half, is_taken_over), task);
+        }
+    };
+    if W::LAST_FIRST {
+        run_both(&mut second_half, &mut first_half);
+    } else {
+        run_both(&mut first_half, &mut second_half);
+    }
+    results.append(&mut later);
+    results
+}
+
+/// Divides work among the threads, or does it on this one.
+fn run<W: Divide, T: Send>(
+    work: W,
+    is_shared: bool,
+    task: impl Fn(usize, W) -> T + Sync,
+) -> Vec<T> {
+    #[cfg(feature = "parallel")]
+    if is_shared {
+        return share_out(work, 0, (threads(), false), &task);
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = is_shared;
+    vec![task(0, work)]
+}
+
+/// Returns `work(scratch, index)` for each index below `count`, in index order, with one scratch
+/// per share. A single item stays on this thread: waking another one takes longer.
+pub(crate) fn map<S, T: Send>(
+    count: usize,
+    scratch: impl Fn() -> S + Sync,
+    work: impl Fn(&mut S, usize) -> T + Sync,
+) -> Vec<T> {
+    let shares = run(0..count, count > 1, |_, indices| {
+        let mut scratch = scratch();
+        let results = indices.map(|index| work(&mut scratch, index));
+        results.collect::<Vec<T>>()
+    });
+    shares.into_iter().flatten().collect()
 }
 
 /// Returns the values of consecutive shares of the indices below `count`, in index order. The value
@@ -55,23 +176,14 @@ where
 pub(crate) fn fold<T: Send>(
     count: usize,
     few: usize,
-    new: impl Fn() -> T + Sync + Send,
-    work: impl Fn(&mut T, usize) + Sync + Send,
+    new: impl Fn() -> T + Sync,
+    work: impl Fn(&mut T, usize) + Sync,
 ) -> Vec<T> {
-    #[cfg(feature = "parallel")]
-    if count > few && threads() > 1 {
-        use rayon::iter::{IntoParallelIterator, ParallelIterator};
-        let shares = (0..count).into_par_iter().fold(&new, |mut value, index| {
-            work(&mut value, index);
-            value
-        });
-        return shares.collect();
-    }
-    #[cfg(not(feature = "parallel"))]
-    let _ = few;
-    let mut value = new();
-    (0..count).for_each(|index| work(&mut value, index));
-    vec![value]
+    run(0..count, count > few && threads() > 1, |_, indices| {
+        let mut value = new();
+        indices.for_each(|index| work(&mut value, index));
+        value
+    })
 }
 
 /// Replaces the content of a list by `work(index)` for each index below `count`. Up to `few` are
@@ -103,29 +215,18 @@ pub(crate) fn threads() -> usize {
 }
 
 /// Calls `work(number, chunk)` for each chunk of `size` items (the last may have fewer), chunks numbered from 0.
-/// Several threads begin with the last chunks, so that increasing work ends evenly. If the `counted` work is at
-/// most `few`, all stay on this thread.
+/// If the `counted` work is at most `few`, all stay on this thread.
 pub(crate) fn for_each_chunk<T: Send>(
     items: &mut [T],
     size: usize,
     (counted, few): (usize, usize),
-    work: impl Fn(usize, &mut [T]) + Sync + Send,
+    work: impl Fn(usize, &mut [T]) + Sync,
 ) {
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::iter::{IndexedParallelIterator, ParallelIterator};
-        use rayon::slice::ParallelSliceMut;
-        if counted > few && items.len() > size {
-            let chunks = items.par_chunks_mut(size).enumerate().rev();
-            chunks.for_each(|(number, chunk)| work(number, chunk));
-            return;
-        }
-    }
-    #[cfg(not(feature = "parallel"))]
-    let _ = (counted, few);
-    for (number, chunk) in items.chunks_mut(size).enumerate() {
-        work(number, chunk);
-    }
+    let is_shared = counted > few && items.len() > size;
+    run(Chunks { items, size }, is_shared, |first, chunks| {
+        let chunks = chunks.items.chunks_mut(size).enumerate();
+        chunks.for_each(|(number, chunk)| work(first + number, chunk));
+    });
 }
 
 /// Calls `work(number, share, own)` for each share of `size` items of two lists of the same length, with a value
@@ -134,23 +235,21 @@ pub(crate) fn for_each_share<T: Send, U: Send, V: Send>(
     (one, other): (&mut [T], &mut [U]),
     own: &mut [V],
     size: usize,
-    work: impl Fn(usize, (&mut [T], &mut [U]), &mut V) + Sync + Send,
+    work: impl Fn(usize, (&mut [T], &mut [U]), &mut V) + Sync,
 ) {
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
-        use rayon::slice::ParallelSliceMut;
-        if one.len() > size {
-            let shares = one.par_chunks_mut(size).zip(other.par_chunks_mut(size));
-            let shares = shares.zip(own.par_iter_mut()).enumerate();
-            shares.for_each(|(number, (share, own))| work(number, share, own));
-            return;
+    let is_shared = one.len() > size;
+    let lists = (Chunks { items: one, size }, Chunks { items: other, size });
+    let own = Chunks {
+        items: own,
+        size: 1,
+    };
+    run(Shares { lists, own }, is_shared, |first, shares| {
+        let (one, other) = (shares.lists.0.items, shares.lists.1.items);
+        let lists = one.chunks_mut(size).zip(other.chunks_mut(size));
+        for (number, (share, own)) in lists.zip(shares.own.items).enumerate() {
+            work(first + number, share, own);
         }
-    }
-    let shares = one.chunks_mut(size).zip(other.chunks_mut(size));
-    for (number, (share, own)) in shares.zip(own).enumerate() {
-        work(number, share, own);
-    }
+    });
 }
 
 /// Runs two functions in parallel, or one after the other for few items: see [`map`].

@@ -113,6 +113,43 @@ pub trait BroadPhase: Default + Send {
     );
 }
 
+/// The methods with their buffers, for whoever takes one by name.
+#[derive(Debug, Default)]
+pub(crate) struct Methods {
+    brute_force: BruteForce,
+    tree: Tree,
+    pub(crate) sweep: Sweep,
+}
+
+impl Methods {
+    /// Appends the pairs that a method finds, as [`BroadPhase::pairs`] does.
+    pub(crate) fn pairs<F: PairFilter>(
+        &mut self,
+        (method, instructions): (Method, InstructionSet),
+        boxes: &[BodyBox],
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        // Those that are only compared with are compiled once, for all filters.
+        let any: &dyn PairFilter = filter;
+        match method {
+            Method::BruteForce => self.brute_force.pairs(boxes, &any, candidates),
+            Method::Tree => self.tree.pairs(boxes, &any, candidates),
+            Method::Sweep => self.sweep.at(instructions).pairs(boxes, filter, candidates),
+        }
+    }
+}
+
+impl PairFilter for &dyn PairFilter {
+    fn admits(&self, a: u32, b: u32) -> bool {
+        (**self).admits(a, b)
+    }
+
+    fn gives_up(&self) -> bool {
+        (**self).gives_up()
+    }
+}
+
 /// Appends the pair if the filter admits it.
 #[inline]
 fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Candidate>) {

@@ -120,10 +120,10 @@ impl<'a> Fitter<'a> {
         let done = AtomicU32::new(0);
         let steps = f64::from(chains * (rounds + 1) + 2);
         let step = || progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / steps);
-        let work = |scratch: &mut DescentScratch, chain: u32| {
-            self.chain(count, chain, rounds, scratch, &step)
-        };
-        let mut found = parallel::map(chains, DescentScratch::default, work);
+        let chains: Vec<u32> = (0..chains).collect();
+        let mut found = parallel::map(chains.len(), DescentScratch::default, |scratch, place| {
+            self.chain(count, chains[place], rounds, scratch, &step)
+        });
         // Of equal ones the first: a stable sort.
         found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
         found.truncate(POLISHED);

@@ -83,7 +83,6 @@ impl JumpSearch {
             let mut counted = Stats::default();
             let search = bodies.search(Window::ALL, limits, (pool, threads));
             search.spans(
-                |scratch| &mut scratch.sweep,
                 (&slices, &statistics),
                 filter,
                 &|_| {},

@@ -1,6 +1,7 @@
 //! All bodies of a monitor, for searches from nothing.
 
 use super::bodies::BodyTable;
+use crate::broad_phase::Method;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
@@ -88,6 +89,7 @@ impl<'m> PreparedBodies<'m> {
             window,
             margin: self.table.margin,
             limits,
+            method: Method::Sweep,
             instructions: InstructionSet::best(),
             pool,
             threads,
@@ -119,7 +121,7 @@ impl<'m> PreparedBodies<'m> {
             slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
-        trials.cheapest(slices, &statistics, some)
+        trials.cheapest(slices, &statistics, &some)
     }
 
     /// Returns how much moves in a window (s), as far as the number of slices depends on it.

@@ -38,20 +38,20 @@ impl PreparedScene<'_> {
         found: &mut Vec<SpanKey>,
     ) -> Result<u64, LimitExceeded> {
         /// Bodies that one thread compares at a time.
-        const CHUNK: u32 = 1024;
+        const CHUNK: usize = 1024;
         let planes: Vec<Plane<'_>> = self.planes(bodies).collect();
         // Places are counted in 32 bits.
         let bodies_in_all = u32::try_from(self.entries.len()).unwrap_or(u32::MAX);
-        let chunks = bodies_in_all.div_ceil(CHUNK);
+        let places: Vec<u32> = (0..bodies_in_all).collect();
+        let chunks: Vec<&[u32]> = places.chunks(CHUNK).collect();
         // Spans of all threads: an endless list would take all memory.
         let count = AtomicUsize::new(found.len());
         let compared = parallel::map(
-            chunks,
+            chunks.len(),
             || (),
             |(), chunk| {
                 let (mut near, mut looked_at) = (Vec::new(), 0);
-                let first = chunk * CHUNK;
-                for body in first..bodies_in_all.min(first.saturating_add(CHUNK)) {
+                for &body in chunks[chunk] {
                     for plane in &planes {
                         if filter.gives_up() {
                             return Ok((near, looked_at));

@@ -220,7 +220,7 @@ impl Scene {
         if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = prepared.slices(&prepared.statistics(), |places| prepared.sources(places));
+        let slices = prepared.slices(&prepared.statistics(), &|places| prepared.sources(places));
         Ok(slices.count())
     }
 }
@@ -249,7 +249,7 @@ impl PreparedScene<'_> {
     fn slices<'p>(
         &self,
         statistics: &SceneStatistics,
-        sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
+        sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
         let window = (
             earliest_exact(self.window.start()),
@@ -277,7 +277,7 @@ impl PreparedScene<'_> {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(statistics, |places| self.sources(places));
+            let slices = || self.slices(statistics, &|places| self.sources(places));
             let sources = || self.all_sources(memory);
             let (slices, sources) = parallel::join(self.ids.len(), FEW, slices, sources);
             return (sources, slices);
@@ -285,7 +285,7 @@ impl PreparedScene<'_> {
         // Then it is cheaper to copy some than to look at their bodies again.
         let sources = self.all_sources(memory);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
-        let slices = self.slices(statistics, some);
+        let slices = self.slices(statistics, &some);
         (sources, slices)
     }
 
@@ -308,7 +308,7 @@ impl PreparedScene<'_> {
         }
         let statistics = self.statistics();
         if self.is_in_place() {
-            let slices = self.slices(&statistics, |places| self.sources(places));
+            let slices = self.slices(&statistics, &|places| self.sources(places));
             let bodies = BodiesInPlace(self);
             self.search(
                 &bodies,
@@ -352,6 +352,7 @@ impl PreparedScene<'_> {
             window: self.window,
             margin: self.margin,
             limits: self.limits,
+            method,
             instructions: self.instructions,
             pool: self.pool,
             threads: parallel::threads(),
@@ -361,30 +362,7 @@ impl PreparedScene<'_> {
         let mut survivors = Vec::new();
         let found = (&mut survivors, &mut *stats);
         let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
-        let progress_of_slices = &progress_of_slices;
-        let done = match method {
-            Method::BruteForce => search.spans(
-                |scratch| &mut scratch.brute_force,
-                cut,
-                filter,
-                progress_of_slices,
-                found,
-            ),
-            Method::Tree => search.spans(
-                |scratch| &mut scratch.tree,
-                cut,
-                filter,
-                progress_of_slices,
-                found,
-            ),
-            Method::Sweep => search.spans(
-                |scratch| scratch.sweep.at(self.instructions),
-                cut,
-                filter,
-                progress_of_slices,
-                found,
-            ),
-        };
+        let done = search.spans(cut, filter, &progress_of_slices, found);
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();

@@ -2,7 +2,7 @@
 
 use super::{CandidateRefiner, SliceBlock, SpanSorter};
 use crate::bounds::{CompactCubic, CubicSource};
-use crate::broad_phase::{BruteForce, Candidate, Sweep, Tree};
+use crate::broad_phase::{Candidate, Methods};
 use crate::spans::SpanKey;
 
 /// Buffers that one thread reuses from slice to slice.
@@ -12,9 +12,7 @@ use crate::spans::SpanKey;
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
     pub(crate) sources: SourceMemory,
-    pub(crate) brute_force: BruteForce,
-    pub(crate) tree: Tree,
-    pub(crate) sweep: Sweep,
+    pub(crate) methods: Methods,
     /// Places of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,

@@ -8,7 +8,7 @@
 
 use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
-use crate::broad_phase::{BroadPhase, CandidateLimit, Everyone};
+use crate::broad_phase::{CandidateLimit, Everyone, Method};
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -152,7 +152,7 @@ impl SliceTrials<'_> {
         &self,
         mut slices: TimeSlices,
         statistics: &SceneStatistics,
-        sources: impl FnOnce(&[usize]) -> Vec<CubicSource<'p, C>>,
+        sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_BOXES`.
         const FEW: usize = 64;
@@ -236,7 +236,7 @@ impl SliceTrials<'_> {
         let SearchScratch {
             present,
             block,
-            sweep,
+            methods,
             candidates,
             ends,
             ..
@@ -258,9 +258,8 @@ impl SliceTrials<'_> {
             let slice = &block.slices[0];
             candidates.clear();
             let room = CandidateLimit::new(&Everyone, MAX_CANDIDATES);
-            sweep
-                .at(self.instructions)
-                .pairs(&slice.boxes, &room, candidates);
+            let method = (Method::Sweep, self.instructions);
+            methods.pairs(method, &slice.boxes, &room, candidates);
             let interval = slices.interval(first);
             for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);

@@ -8,7 +8,7 @@ use super::{
     TimeSlices,
 };
 use crate::bounds::MovingFrame;
-use crate::broad_phase::{BroadPhase, Candidate, CandidateLimit, PairFilter, mean_size};
+use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter, mean_size};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -28,6 +28,7 @@ pub(crate) struct WindowSearch<'a, B> {
     pub(crate) window: Window,
     pub(crate) margin: f64,
     pub(crate) limits: Limits,
+    pub(crate) method: Method,
     pub(crate) instructions: InstructionSet,
     pub(crate) pool: &'a Pool<SearchScratch>,
     /// Threads that share the work.
@@ -42,9 +43,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// # Errors
     ///
     /// [`LimitExceeded`] for more spans, or more candidates at an instant, than the limits.
-    pub(crate) fn spans<B: BroadPhase, F: PairFilter>(
+    pub(crate) fn spans<F: PairFilter>(
         &self,
-        method: impl Fn(&mut SearchScratch) -> &mut B + Sync + Send,
         (slices, statistics): (&TimeSlices, &SceneStatistics),
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
@@ -63,7 +63,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 return Ok(Stats::default());
             }
             let range = blocks.range(block);
-            let counted = self.block(&method, slices, range, filter, scratch);
+            let counted = self.block(slices, range, filter, scratch);
             is_exceeded.fetch_or(counted.is_err(), Ordering::Relaxed);
             let done = done_blocks.fetch_add(1, Ordering::Relaxed) + 1;
             progress(f64::from(done) / f64::from(blocks.count));
@@ -75,8 +75,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             let round = blocks.round.min(blocks.count - first);
             if blocks.is_shared {
                 let take = || self.pool.take();
-                let results = parallel::map(round, take, |scratch, block| {
-                    let counted = search(scratch, first + block)?;
+                let blocks: Vec<u32> = (first..first + round).collect();
+                let results = parallel::map(blocks.len(), take, |scratch, place| {
+                    let counted = search(scratch, blocks[place])?;
                     Ok((scratch.found.clone(), counted))
                 });
                 for result in results {
@@ -100,9 +101,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     }
 
     /// Lists the spans of a few slices in `scratch.found`; returns the counts.
-    fn block<B: BroadPhase, F: PairFilter>(
+    fn block<F: PairFilter>(
         &self,
-        method: impl Fn(&mut SearchScratch) -> &mut B,
         slices: &TimeSlices,
         range: Range<u32>,
         filter: &F,
@@ -114,7 +114,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         slices.ends(range.clone(), &mut ends);
         self.presence
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
-        // Taken out meanwhile, so that the method can be borrowed beside them.
+        // Taken out meanwhile, so that the rest can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
         self.form(&ends, &scratch.present, &mut block);
         scratch.ends = ends;
@@ -132,7 +132,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             for slice in run {
                 let first = candidates.len();
                 let room = self.limits.candidates_of_slice(slice.boxes.len());
-                if !list_pairs(method(scratch), slice, room, filter, &mut candidates) {
+                let methods = &mut scratch.methods;
+                if !self.list_pairs(methods, slice, room, filter, &mut candidates) {
                     crowded.push(number + short(counts.len()));
                 }
                 counts.push(candidates.len() - first);
@@ -155,7 +156,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         for number in crowded {
             let slice = &block.slices[(number - range.start) as usize];
             let part = (slices.interval(number), slice);
-            self.divide(&method, part, filter, &mut stats, scratch)?;
+            self.divide(part, filter, &mut stats, scratch)?;
         }
         (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
         let begin = Instant::now();
@@ -223,9 +224,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// halves have fewer candidates in all. Candidates shrink with boxes, until these are as large
     /// as hitboxes and the margin. Overlaps that remain are a crowd, which may fit the limits as a
     /// whole.
-    fn divide<B: BroadPhase, F: PairFilter>(
+    fn divide<F: PairFilter>(
         &self,
-        method: &impl Fn(&mut SearchScratch) -> &mut B,
         (interval, slice): ((f64, f64), &SliceBounds),
         filter: &F,
         stats: &mut Stats,
@@ -253,7 +253,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         if halves.slices.is_empty() || both.pairs >= whole.pairs {
             let mut candidates = Vec::new();
             let room = self.limits.candidates;
-            if list_pairs(method(scratch), slice, room, filter, &mut candidates) {
+            if self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
                 stats.candidates += candidates.len() as u64;
                 stats.spans += self.refine(slice, (interval, &candidates), filter, scratch)?;
                 return Ok(());
@@ -269,38 +269,40 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             stats.boxes += half.boxes.len() as u64;
             let mut candidates = Vec::new();
             let room = self.limits.candidates_of_slice(half.boxes.len());
-            if list_pairs(method(scratch), half, room, filter, &mut candidates) {
+            if self.list_pairs(&mut scratch.methods, half, room, filter, &mut candidates) {
                 stats.candidates += candidates.len() as u64;
                 stats.spans += self.refine(half, (interval, &candidates), filter, scratch)?;
             } else {
                 drop(candidates);
-                self.divide(method, (interval, half), filter, stats, scratch)?;
+                self.divide((interval, half), filter, stats, scratch)?;
             }
         }
         Ok(())
     }
-}
 
-/// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
-/// there are more than the limit.
-fn list_pairs<B: BroadPhase, F: PairFilter>(
-    method: &mut B,
-    slice: &SliceBounds,
-    room: u64,
-    filter: &F,
-    candidates: &mut Vec<Candidate>,
-) -> bool {
-    let by_place = ByPlace {
-        bodies: &slice.bodies,
-        filter,
-    };
-    let first = candidates.len();
-    let room = CandidateLimit::new(&by_place, room);
-    method.pairs(&slice.boxes, &room, candidates);
-    if room.is_short() {
-        candidates.truncate(first);
+    /// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
+    /// there are more than the limit.
+    fn list_pairs<F: PairFilter>(
+        &self,
+        methods: &mut Methods,
+        slice: &SliceBounds,
+        room: u64,
+        filter: &F,
+        candidates: &mut Vec<Candidate>,
+    ) -> bool {
+        let by_place = ByPlace {
+            bodies: &slice.bodies,
+            filter,
+        };
+        let first = candidates.len();
+        let room = CandidateLimit::new(&by_place, room);
+        let method = (self.method, self.instructions);
+        methods.pairs(method, &slice.boxes, &room, candidates);
+        if room.is_short() {
+            candidates.truncate(first);
+        }
+        !room.is_short()
     }
-    !room.is_short()
 }
 
 /// Mean size of the boxes of a slice.

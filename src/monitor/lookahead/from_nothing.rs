@@ -83,7 +83,7 @@ impl LookaheadSearch {
         let search = bodies.search(Window::ALL, limits, threads);
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
-        let done = search.spans(|scratch| &mut scratch.sweep, cut, filter, &|_| {}, found);
+        let done = search.spans(cut, filter, &|_| {}, found);
         bodies.forget(&mut self.presence);
         done?;
         if filter.gives_up() {

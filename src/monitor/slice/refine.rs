@@ -27,7 +27,6 @@ impl LookaheadSlice {
         let done = prepared
             .search(Window::ALL, task.limits, (&scratch.pool, 1))
             .spans(
-                |scratch| &mut scratch.sweep,
                 (
                     &prepared.usual_slices((from, end)),
                     &prepared.statistics((from, end)),

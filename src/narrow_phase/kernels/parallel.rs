@@ -3,6 +3,7 @@
 //! Small batches stay on the caller's thread.
 
 use super::{Enclosure, InstructionSet, Lanes, Real, Verdict};
+use crate::parallel::run_both;
 
 /// Pairs below which another thread does not pay: 47 microseconds of work on the processor in
 /// `benches/results` with AVX-512, in `f64`.
@@ -25,9 +26,9 @@ pub fn closest_approach<R: Real>(
     };
     let (times_a, times_b) = times.split_at_mut(left.len());
     let (distances_a, distances_b) = distances.split_at_mut(left.len());
-    rayon::join(
-        || closest_approach(instructions, &left, times_a, distances_a),
-        || closest_approach(instructions, &right, times_b, distances_b),
+    run_both(
+        &mut |_| closest_approach(instructions, &left, times_a, distances_a),
+        &mut |_| closest_approach(instructions, &right, times_b, distances_b),
     );
 }
 
@@ -48,9 +49,9 @@ pub fn enclose(
     };
     let (errors_a, errors_b) = errors.split_at(left.len());
     let (enclosures_a, enclosures_b) = enclosures.split_at_mut(left.len());
-    rayon::join(
-        || enclose(instructions, &left, errors_a, enclosures_a),
-        || enclose(instructions, &right, errors_b, enclosures_b),
+    run_both(
+        &mut |_| enclose(instructions, &left, errors_a, enclosures_a),
+        &mut |_| enclose(instructions, &right, errors_b, enclosures_b),
     );
 }
 
@@ -73,9 +74,9 @@ pub fn within<R: Real>(
     let (inner_a, inner_b) = inner.split_at(left.len());
     let (outer_a, outer_b) = outer.split_at(left.len());
     let (verdicts_a, verdicts_b) = verdicts.split_at_mut(left.len());
-    rayon::join(
-        || within(instructions, &left, inner_a, outer_a, verdicts_a),
-        || within(instructions, &right, inner_b, outer_b, verdicts_b),
+    run_both(
+        &mut |_| within(instructions, &left, inner_a, outer_a, verdicts_a),
+        &mut |_| within(instructions, &right, inner_b, outer_b, verdicts_b),
     );
 }
 
