@@ -120,7 +120,8 @@ impl Orientation {
     /// constant rate from each to the next one, the shorter way.
     ///
     /// Before the first and after the last knot the rotation is held; see
-    /// [`with_outside`](Self::with_outside).
+    /// [`with_outside`](Self::with_outside). Between knots a few roundings of their times apart the tolerance cannot
+    /// hold: a sphere's centre may be anywhere at its distance from the position there, and so may contacts.
     ///
     /// # Errors
     ///

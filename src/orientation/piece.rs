@@ -47,7 +47,8 @@ pub(super) const fn set_of(accuracy: Accuracy) -> usize {
 impl Piece {
     /// Returns a motion for all time.
     pub(super) fn forever(arc: Arc, tolerances: [f64; 2]) -> Self {
-        let revolution = TAU / arc.angle * arc.duration;
+        // Shorter steps do as well: of endless ones no multiple is a number.
+        let revolution = (TAU / arc.angle * arc.duration).min(1e307);
         let cuts = if arc.is_held() {
             Cuts::None
         } else {

@@ -80,7 +80,8 @@ impl QuaternionCubic {
         let mut count = 1;
         while count <= MOST {
             let error = self.largest_error(count);
-            if error <= tolerance {
+            if error <= tolerance || self.is_cut_finely(count) {
+                // Where no instants divide it, the rotation is unknown, as that of an arc.
                 return Some(count);
             }
             let factor = (error / tolerance).sqrt().sqrt();
@@ -92,9 +93,17 @@ impl QuaternionCubic {
                 reason = "a small number"
             )]
             let next = next as u32;
-            count = next.max(count + 1);
+            // Near the tolerance the power says too little: each count is tried on all its parts.
+            count = next.max(count + 1 + count / 8);
         }
         None
+    }
+
+    /// Returns true if there are no instants for parts half as long.
+    fn is_cut_finely(&self, count: u32) -> bool {
+        let (start, end) = self.ends;
+        let step = f64::EPSILON * start.abs().max(end.abs());
+        (end - start) / f64::from(count) < 4.0 * step
     }
 
     fn largest_error(&self, count: u32) -> f64 {

@@ -174,3 +174,13 @@ fn contradictions_are_refused() {
     let found = Trajectory::fit_with(wrong, window, 1e-3, &options);
     assert!(matches!(found, Err(Error::FitBound { .. })), "{found:?}");
 }
+
+/// A bound that is hardly more than 0 counts over 1e90 s.
+#[test]
+fn no_bound_underflows() {
+    let options = FitOptions::default().with_fourth_derivative(1e-322);
+    let window = Window::new(0.0, 1e90).unwrap();
+    let rest = |_| ([0.0; 3], [0.0; 3]);
+    let fit = Trajectory::fit_with(rest, window, 1.0, &options);
+    assert!(matches!(fit, Err(Error::FitKnots { .. })), "{fit:?}");
+}

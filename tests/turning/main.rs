@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
+mod extremes;
 mod invariance;
 mod monitor;
 mod turned_world;

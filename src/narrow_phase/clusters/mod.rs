@@ -65,6 +65,7 @@ impl ClusterPair<'_> {
                 known.learn(&shown, self.offset(candidate));
             }
         };
+        let margin = self.reached(&chords, margin);
         let groups = SphereGroups::of(self, &chords, margin);
         let (mut listed, mut candidates) = (0, Vec::new());
         while listed < self.a.spheres.len() {
@@ -97,7 +98,7 @@ impl ClusterPair<'_> {
     ) {
         let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
         let mut solved = SolvedOffsets::default();
-        let within = least_so_far.min(chords.least_of_some(self));
+        let within = self.reached(&chords, least_so_far.min(chords.least_of_some(self)));
         let groups = SphereGroups::of(self, &chords, within);
         let (mut listed, mut candidates) = (0, Vec::new());
         while listed < self.a.spheres.len() {
@@ -145,6 +146,17 @@ impl ClusterPair<'_> {
                 solve(&pair);
                 solved.add(self, candidate);
             }
+        }
+    }
+
+    /// Returns a margin, or less if pairs of spheres are the nearest ones of their bodies only within that.
+    ///
+    /// With a large model error all pairs are within the margin, and hardly any contact is certain.
+    fn reached(&self, chords: &PiecewiseLinearBound, margin: f64) -> f64 {
+        if self.a.model_error_with(self.b) > 0.0 {
+            margin.min(chords.most(self))
+        } else {
+            margin
         }
     }
 

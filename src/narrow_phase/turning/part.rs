@@ -246,10 +246,21 @@ impl<'a> SpheresOverPart<'a> {
         }
         let mut bounds = std::mem::take(&mut scratch.bounds);
         bounds.clear();
-        self.each_candidate(reached, scratch, |candidate| {
+        let mut add = |candidate: SphereCandidate| {
             let least = candidate.lowest.sqrt() - candidate.radii;
             bounds.push((least, candidate.spheres));
-        });
+        };
+        if self.views[0].model_error_with(self.views[1]) > 0.0 {
+            // Within it hardly a pair that is solved rules out others.
+            let mut candidates = std::mem::take(&mut scratch.candidates);
+            candidates.clear();
+            self.each_candidate(reached, scratch, |candidate| candidates.push(candidate));
+            self.keep_nearest(&mut candidates, scratch);
+            candidates.drain(..).for_each(add);
+            scratch.candidates = candidates;
+        } else {
+            self.each_candidate(reached, scratch, add);
+        }
         let power = normalising_power(self.scale);
         let first = bounds.iter().min_by(|x, y| x.0.total_cmp(&y.0));
         let (first, mut solved) = (first.into_iter(), [facing, None]);

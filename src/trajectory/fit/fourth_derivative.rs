@@ -81,8 +81,11 @@ impl FourthDerivative<'_> {
             Self::Constant(bound) => *bound,
             Self::Over(bound) => bound(Window::new(from, to)?),
         };
-        if value >= 0.0 {
-            Ok(value)
+        if value > 0.0 {
+            // A larger bound holds as well, and no fraction of it underflows.
+            Ok(value.max(1e-290))
+        } else if value >= 0.0 {
+            Ok(0.0)
         } else {
             let option = "bound of the fourth derivative";
             Err(Error::FitOption { option, value })
