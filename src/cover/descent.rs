@@ -287,8 +287,7 @@ impl DescentScratch {
         let most = most[0].max(most[1]);
         let least = (most - depth).min(NEARLY * most);
         for (points, nearest) in found {
-            let overshoots = nearest.first.iter().enumerate();
-            for (number, _) in overshoots.filter(|(_, overshoot)| **overshoot >= least) {
+            for number in nearest.at_least(least) {
                 let (ball, point) = (nearest.balls[number], points.at(number));
                 self.demands.push(Demand {
                     ball,

@@ -10,8 +10,10 @@ use std::ops::Range;
 pub(super) struct Nearest {
     pub(super) balls: Vec<usize>,
     /// The least overshoot, and the second.
-    pub(super) first: Vec<f64>,
+    first: Vec<f64>,
     second: Vec<f64>,
+    /// The largest overshoot of each block.
+    farthest: Vec<f64>,
     centres: Points,
     bounds: Vec<f64>,
 }
@@ -29,6 +31,7 @@ struct FindBest<'a> {
     bounds: &'a mut [f64],
     best: &'a mut [usize],
     first: &'a mut [f64],
+    farthest: &'a mut Vec<f64>,
 }
 
 impl Task for FindBest<'_> {
@@ -52,6 +55,7 @@ impl Task for FindBest<'_> {
             }
             self.best[start..end].copy_from_slice(&block.best[..end - start]);
             self.first[start..end].copy_from_slice(&block.first[..end - start]);
+            self.farthest.push(block.farthest);
             guess = block.best[0];
         }
     }
@@ -80,9 +84,12 @@ impl BestOfBlock {
     #[inline(always)]
     fn new(points: &Points, range: Range<usize>) -> Self {
         let some = |values: &[f64]| {
-            let mut block = [values[range.end - 1]; BLOCK];
-            block[..range.len()].copy_from_slice(&values[range.clone()]);
-            block
+            let values = &values[range.clone()];
+            values.first_chunk().copied().unwrap_or_else(|| {
+                let mut block = [values[values.len() - 1]; BLOCK];
+                block[..values.len()].copy_from_slice(values);
+                block
+            })
         };
         Self {
             x: some(&points.x),
@@ -175,6 +182,7 @@ impl Nearest {
         self.first.resize(count, f64::INFINITY);
         self.centres.clear();
         self.centres.extend(balls.iter().map(|&(centre, _)| centre));
+        self.farthest.clear();
         self.bounds.clear();
         self.bounds.resize(balls.len(), 0.0);
         InstructionSet::best().run(FindBest {
@@ -183,6 +191,7 @@ impl Nearest {
             heights,
             centres: &self.centres,
             bounds: &mut self.bounds,
+            farthest: &mut self.farthest,
             best: &mut self.balls,
             first: &mut self.first,
         });
@@ -190,7 +199,19 @@ impl Nearest {
 
     /// Returns the largest overshoot at any point, at least 0.
     pub(super) fn most(&self) -> f64 {
-        self.first.iter().copied().fold(0.0, f64::max)
+        self.farthest.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Returns the numbers of the points with this overshoot at least.
+    pub(super) fn at_least(&self, least: f64) -> impl Iterator<Item = usize> {
+        let count = self.first.len();
+        let blocks = self.farthest.iter().enumerate();
+        let some = blocks.filter(move |(_, farthest)| **farthest >= least);
+        let points = some.flat_map(move |(block, _)| {
+            let start = block * BLOCK;
+            start..count.min(start + BLOCK)
+        });
+        points.filter(move |&point| self.first[point] >= least)
     }
 
     /// Finds the least overshoot at each point, and the second, given the height of each centre.

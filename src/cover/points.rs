@@ -39,15 +39,17 @@ pub(super) struct Samples {
 
 impl Extend<DVec3> for Points {
     fn extend<I: IntoIterator<Item = DVec3>>(&mut self, points: I) {
-        for point in points {
-            self.x.push(point.x);
-            self.y.push(point.y);
-            self.z.push(point.z);
-        }
+        points.into_iter().for_each(|point| self.push(point));
     }
 }
 
 impl Points {
+    fn push(&mut self, point: DVec3) {
+        self.x.push(point.x);
+        self.y.push(point.y);
+        self.z.push(point.z);
+    }
+
     pub(super) fn clear(&mut self) {
         self.x.clear();
         self.y.clear();
@@ -210,7 +212,7 @@ impl Samples {
             for (&point, normal) in surface.points.iter().zip(normals) {
                 let place = ((point - low) / cube).floor().to_array().map(f64::to_bits);
                 let number = *numbers.entry(place).or_insert_with(|| {
-                    samples.points.extend([point]);
+                    samples.points.push(point);
                     samples.normals.push(normal);
                     u32::try_from(samples.normals.len() - 1).unwrap_or(u32::MAX)
                 });
@@ -235,8 +237,8 @@ impl Samples {
             let points = (start..count.min(start + BOXED)).map(|number| self.points.at(number));
             let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
             let high = points.fold(DVec3::NEG_INFINITY, DVec3::max);
-            self.low.extend([low]);
-            self.high.extend([high]);
+            self.low.push(low);
+            self.high.push(high);
         }
     }
 
@@ -276,21 +278,22 @@ impl Samples {
             let (centre, radius) = balls[ball];
             point.distance_squared(centre) - radius * radius
         };
-        for corners in &self.triangles {
-            let corners = corners.map(|corner| corner as usize);
-            let of = corners.map(|corner| nearest.balls[corner]);
+        for &[a, b, c] in &self.triangles {
+            let (a, b, c) = (a as usize, b as usize, c as usize);
+            let of = [nearest.balls[a], nearest.balls[b], nearest.balls[c]];
             if of[0] == of[1] && of[1] == of[2] {
                 continue;
             }
-            let points = corners.map(|corner| self.points.at(corner));
-            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let points = [self.points.at(a), self.points.at(b), self.points.at(c)];
+            for a in 0..3 {
+                let b = (a + 1) % 3;
                 // Each edge of a closed surface has another triangle that passes it the other way.
                 if of[a] < of[b] {
                     let before = power(of[a], points[a]) - power(of[b], points[a]);
                     let after = power(of[a], points[b]) - power(of[b], points[b]);
                     if before < after {
                         let share = (before / (before - after)).clamp(0.0, 1.0);
-                        meetings.extend([points[a].lerp(points[b], share)]);
+                        meetings.push(points[a].lerp(points[b], share));
                     }
                 }
             }

@@ -10,7 +10,7 @@ pub(super) fn pool(solid: &Solid, count: usize, random: &mut Random) -> Vec<DVec
     let mut pool = Vec::with_capacity(count);
     for _ in 0..32 * count {
         let point = random.point(solid.low, solid.high);
-        if solid.signed_distance(point).0 <= 0.0 {
+        if solid.contains(point) {
             pool.push(point);
             if pool.len() == count {
                 return pool;
