@@ -1,7 +1,8 @@
 //! Moving centres until the overshoot is locally least.
 
 use super::cells::CellScratch;
-use super::points::{Nearest, Points, Samples};
+use super::nearest::Nearest;
+use super::points::{Points, Samples};
 use super::random::Random;
 use super::solid::Solid;
 use super::surface::Surface;
@@ -56,6 +57,7 @@ pub(super) struct DescentScratch {
     heights: Vec<(f64, DVec3)>,
     demands: Vec<Demand>,
     motions: Vec<Moments>,
+    bounds: Vec<f64>,
     nearest: Nearest,
     meetings: Points,
     nearest_to_meetings: Nearest,
@@ -162,7 +164,7 @@ impl DescentScratch {
         };
         self.heights.clear();
         let height = |&centre: &DVec3| match target {
-            Target::Samples(samples) => samples.signed_distance(centre),
+            Target::Samples(samples) => samples.signed_distance(centre, &mut self.bounds),
             Target::Surfaces(_) => solid.signed_distance(centre),
         };
         self.heights.extend(centres.iter().map(height));
@@ -285,8 +287,7 @@ impl DescentScratch {
         let most = most[0].max(most[1]);
         let least = (most - depth).min(NEARLY * most);
         for (points, nearest) in found {
-            let overshoots = nearest.first.iter().enumerate();
-            for (number, _) in overshoots.filter(|(_, overshoot)| **overshoot >= least) {
+            for number in nearest.at_least(least) {
                 let (ball, point) = (nearest.balls[number], points.at(number));
                 self.demands.push(Demand {
                     ball,

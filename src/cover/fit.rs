@@ -61,11 +61,11 @@ impl<'a> Fitter<'a> {
         };
         let (samples, more_samples) = (samples_of(SAMPLES), samples_of(5 * SAMPLES));
         let pool = pool(solid, POOL, &mut Random::new(seed, u64::MAX));
-        let signed_distance = |at: DVec3| {
+        let signed_distance = |at: DVec3, scratch: &mut Vec<f64>| {
             if samples.is_empty() {
                 solid.signed_distance(at)
             } else {
-                samples.signed_distance(at)
+                samples.signed_distance(at, scratch)
             }
         };
         let ridges = deepest(&pool[..pool.len().min(RIDGE_POINTS)], &signed_distance);

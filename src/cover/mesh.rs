@@ -119,7 +119,7 @@ impl Mesh {
     /// Returns a point of the surface: the nearest one to rounding, or to the height of a triangle that is a sliver.
     pub(super) fn nearest(&self, at: DVec3) -> DVec3 {
         let mut nearest = at;
-        self.least_square(at, |corners, least| {
+        self.least_square(at, f64::INFINITY, |corners, least| {
             let point = nearest_on_triangle(corners, at);
             let square = point.distance_squared(at);
             if square < least {
@@ -133,13 +133,24 @@ impl Mesh {
     /// Returns a distance that no point of the surface is nearer than, rounding apart.
     pub(super) fn clear_distance(&self, at: DVec3) -> f64 {
         let of_triangle = |corners, _| clear_distance(corners, at).powi(2);
-        self.least_square(at, of_triangle).sqrt()
+        self.least_square(at, f64::INFINITY, of_triangle).sqrt()
+    }
+
+    /// Returns true if the nearest point of the surface is the place itself.
+    pub(super) fn has(&self, at: DVec3) -> bool {
+        let of_triangle = |corners, _| nearest_on_triangle(corners, at).distance_squared(at);
+        self.least_square(at, f64::MIN_POSITIVE, of_triangle) <= 0.0
     }
 
     /// Returns the least square of a distance of the triangles, given by a function that gets the least one so far;
-    /// of boxes farther away none is asked for.
-    fn least_square(&self, at: DVec3, mut of_triangle: impl FnMut([DVec3; 3], f64) -> f64) -> f64 {
-        let mut square = f64::INFINITY;
+    /// of boxes farther away none is asked for. Returns `most` if no square is less.
+    fn least_square(
+        &self,
+        at: DVec3,
+        most: f64,
+        mut of_triangle: impl FnMut([DVec3; 3], f64) -> f64,
+    ) -> f64 {
+        let mut square = most;
         let distance = |node: &Node| at.distance_squared(at.clamp(node.low, node.high));
         let mut waiting = vec![0];
         while let Some(number) = waiting.pop() {

@@ -12,7 +12,7 @@
 //! `starts` chooses centres, `descent` moves them down the gradient of a soft maximum over all
 //! points that reach out far, `search` moves single balls from where they are of little use to
 //! where they are needed, and descends again. The points are corners of the balls' shares of
-//! polyhedra (`cells`), or of a coarser triangulation where the surface is fine (`points`). Nothing
+//! polyhedra (`cells`), or of a coarser triangulation where the surface is fine (`points`, `nearest`). Nothing
 //! of this has to be right: `certificate` finds the radii and their overshoot anew.
 //!
 //! # The proof
@@ -66,6 +66,7 @@ mod fit;
 mod form;
 mod hull;
 mod mesh;
+mod nearest;
 mod options;
 mod points;
 mod random;

@@ -1,26 +1,35 @@
-//! A fine surface as a search sees it: some points of it, the triangles between them, and the ball
-//! that serves each point best.
+//! A fine surface as a search sees it: some points of it, and the triangles between them.
 //!
 //! All of this is for the search alone: proofs look at the surface itself.
 
+use super::nearest::Nearest;
 use super::surface::Surface;
 use crate::simd::{InstructionSet, Task};
 use glam::DVec3;
 use std::collections::HashMap;
-use std::ops::Range;
+
+/// Points that are looked at together.
+pub(super) const BLOCK: usize = 16;
+
+/// Points of one box. A box costs as much as two of its points.
+const BOXED: usize = 4 * BLOCK;
 
 /// Points, each coordinate in a list of its own: loops over them are vectorised.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) z: Vec<f64>,
 }
 
 /// A surface of fewer points than another one, all of them points of that one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
     pub(super) points: Points,
+    /// Corners of the boxes around each few points. Points that follow each other are near each other in most
+    /// meshes, so few boxes are near a place.
+    low: Points,
+    high: Points,
     /// Outward unit vectors.
     normals: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
@@ -28,26 +37,19 @@ pub(super) struct Samples {
     is_volume: bool,
 }
 
-/// The ball of the least overshoot that contains each point.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nearest {
-    pub(super) balls: Vec<usize>,
-    /// The least overshoot, and the second.
-    pub(super) first: Vec<f64>,
-    second: Vec<f64>,
-}
-
 impl Extend<DVec3> for Points {
     fn extend<I: IntoIterator<Item = DVec3>>(&mut self, points: I) {
-        for point in points {
-            self.x.push(point.x);
-            self.y.push(point.y);
-            self.z.push(point.z);
-        }
+        points.into_iter().for_each(|point| self.push(point));
     }
 }
 
 impl Points {
+    fn push(&mut self, point: DVec3) {
+        self.x.push(point.x);
+        self.y.push(point.y);
+        self.z.push(point.z);
+    }
+
     pub(super) fn clear(&mut self) {
         self.x.clear();
         self.y.clear();
@@ -57,86 +59,107 @@ impl Points {
     pub(super) fn at(&self, number: usize) -> DVec3 {
         DVec3::new(self.x[number], self.y[number], self.z[number])
     }
-
-    /// Returns the points of a group.
-    fn group(&self, group: usize) -> Range<usize> {
-        let count = self.x.len();
-        let size = count.div_ceil(GROUPS).next_multiple_of(BLOCK);
-        (group * size).min(count)..((group + 1) * size).min(count)
-    }
-
-    /// Returns the largest numbers below which no square of a distance from a place lies, for each group.
-    fn least_squares(&self, at: DVec3) -> [f64; GROUPS] {
-        InstructionSet::best().run(LeastSquares { points: self, at })
-    }
 }
 
-/// The work of [`Points::least_squares`].
-struct LeastSquares<'a> {
-    points: &'a Points,
-    at: DVec3,
+/// Returns how far a number is beyond a range, 0 within. No number of the range differs from it by less, rounding
+/// included.
+#[inline(always)]
+pub(super) fn beyond(low: f64, high: f64, at: f64) -> f64 {
+    let (below, above) = (low - at, at - high);
+    let beyond = if below > above { below } else { above };
+    if beyond > 0.0 { beyond } else { 0.0 }
 }
 
-impl Task for LeastSquares<'_> {
-    type Output = [f64; GROUPS];
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
-        let (Points { x, y, z }, at) = (self.points, self.at);
-        let count = x.len();
-        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        let square = |i: usize| {
-            let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
-            dx * dx + dy * dy + dz * dz
-        };
-        let mut of_groups = [f64::INFINITY; GROUPS];
-        for (group, of_group) in of_groups.iter_mut().enumerate() {
-            let Range { start, end } = self.points.group(group);
-            // One for each lane: the minimum does not depend on the order.
-            let mut least = [f64::INFINITY; BLOCK];
-            let whole = end - (end - start) % BLOCK;
-            for start in (start..whole).step_by(BLOCK) {
-                for (lane, least) in least.iter_mut().enumerate() {
-                    let square = square(start + lane);
-                    *least = if square < *least { square } else { *least };
-                }
-            }
-            let rest = (whole..end).map(square);
-            *of_group = rest.chain(least).fold(f64::INFINITY, f64::min);
-        }
-        of_groups
-    }
-}
-
-/// The work of [`Samples::signed_distance`]: adds up what is within the largest square.
-struct WeighNearest<'a> {
+/// The work of [`Samples::signed_distance`].
+struct FindSurface<'a> {
     samples: &'a Samples,
     at: DVec3,
-    of_groups: [f64; GROUPS],
-    least: f64,
-    most: f64,
-    /// Twice the variance of the weights.
-    blur: f64,
+    /// For each box a number below which no square of a distance to its points lies.
+    bounds: &'a mut [f64],
 }
 
-impl Task for WeighNearest<'_> {
-    type Output = (f64, DVec3, f64);
+impl FindSurface<'_> {
+    #[inline(always)]
+    fn find_bounds(&mut self) {
+        let (low, high, at) = (&self.samples.low, &self.samples.high, self.at);
+        let count = self.bounds.len();
+        let (x, y, z) = (&low.x[..count], &low.y[..count], &low.z[..count]);
+        let (to_x, to_y, to_z) = (&high.x[..count], &high.y[..count], &high.z[..count]);
+        for (i, bound) in self.bounds.iter_mut().enumerate() {
+            let dx = beyond(x[i], to_x[i], at.x);
+            let dy = beyond(y[i], to_y[i], at.y);
+            let dz = beyond(z[i], to_z[i], at.z);
+            *bound = dx * dx + dy * dy + dz * dz;
+        }
+    }
+
+    /// Returns the least square of a distance to a point of a box.
+    #[inline(always)]
+    fn least_of(&self, number: usize) -> f64 {
+        let (Points { x, y, z }, at) = (&self.samples.points, self.at);
+        let start = number * BOXED;
+        let end = x.len().min(start + BOXED);
+        let (x, y, z) = (&x[start..end], &y[start..end], &z[start..end]);
+        // One for each lane: the minimum does not depend on the order.
+        let mut least = [f64::INFINITY; BLOCK];
+        let blocks = x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK));
+        for ((x, y), z) in blocks {
+            for (((x, y), z), least) in x.iter().zip(y).zip(z).zip(&mut least) {
+                let (dx, dy, dz) = (x - at.x, y - at.y, z - at.z);
+                let square = dx * dx + dy * dy + dz * dz;
+                *least = if square < *least { square } else { *least };
+            }
+        }
+        least.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns the least square of a distance to a point.
+    #[inline(always)]
+    fn least(&self) -> f64 {
+        let mut nearest = (f64::INFINITY, 0);
+        for (number, &bound) in self.bounds.iter().enumerate() {
+            if bound < nearest.0 {
+                nearest = (bound, number);
+            }
+        }
+        let mut least = self.least_of(nearest.1);
+        for (number, &bound) in self.bounds.iter().enumerate() {
+            if bound < least && number != nearest.1 {
+                least = least.min(self.least_of(number));
+            }
+        }
+        least
+    }
+}
+
+impl Task for FindSurface<'_> {
+    type Output = (f64, DVec3);
 
     #[inline(always)]
-    fn run(self) -> Self::Output {
+    fn run(mut self) -> Self::Output {
+        /// Distances that differ by less count as equal, relative to the distance.
+        const BLUR: f64 = 0.01;
+        self.find_bounds();
+        let least = self.least();
+        let most = least * (1.0 + 6.0 * BLUR);
+        // Twice the variance of the weights.
+        let blur = (2.0 * BLUR * least).max(f64::MIN_POSITIVE);
         let (Points { x, y, z }, at) = (&self.samples.points, self.at);
         let (mut plane, mut slope, mut total) = (0.0, DVec3::ZERO, 0.0);
         let count = x.len();
         let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        let of_groups = self.of_groups.iter().enumerate();
-        let near = of_groups.filter(|(_, least)| **least <= self.most);
-        let groups = near.map(|(group, _)| self.samples.points.group(group));
-        for start in groups.flat_map(|group| group.step_by(BLOCK)) {
+        let boxes = self.bounds.iter().enumerate();
+        let near = boxes.filter(|(_, bound)| **bound <= most);
+        let blocks = near.flat_map(|(number, _)| {
+            let start = number * BOXED;
+            (start..count.min(start + BOXED)).step_by(BLOCK)
+        });
+        for start in blocks {
             let end = count.min(start + BLOCK);
             let mut has_some = false;
             for i in start..end {
                 let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
-                has_some |= dx * dx + dy * dy + dz * dz <= self.most;
+                has_some |= dx * dx + dy * dy + dz * dz <= most;
             }
             if !has_some {
                 continue;
@@ -144,19 +167,19 @@ impl Task for WeighNearest<'_> {
             for number in start..end {
                 let way = at - self.samples.points.at(number);
                 let square = way.length_squared();
-                if square > self.most {
+                if square > most {
                     continue;
                 }
                 let normal = self.samples.normals[number];
-                if square <= self.least {
+                if square <= least {
                     plane = normal.dot(way);
                 }
-                let weight = (-(square - self.least) / self.blur).exp();
+                let weight = (-(square - least) / blur).exp();
                 slope += normal * weight;
                 total += weight;
             }
         }
-        (plane, slope, total)
+        (plane, slope * (1.0 / f64::max(total, f64::MIN_POSITIVE)))
     }
 }
 
@@ -168,8 +191,9 @@ impl Samples {
         let high = points().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let mut cube = (high - low).max_element() / 256.0;
         loop {
-            let samples = Self::of_cubes(surfaces, low, cube);
+            let mut samples = Self::of_cubes(surfaces, low, cube);
             if samples.normals.len() <= most || cube > (high - low).max_element() {
+                samples.find_boxes();
                 return samples;
             }
             cube *= 1.2;
@@ -188,7 +212,7 @@ impl Samples {
             for (&point, normal) in surface.points.iter().zip(normals) {
                 let place = ((point - low) / cube).floor().to_array().map(f64::to_bits);
                 let number = *numbers.entry(place).or_insert_with(|| {
-                    samples.points.extend([point]);
+                    samples.points.push(point);
                     samples.normals.push(normal);
                     u32::try_from(samples.normals.len() - 1).unwrap_or(u32::MAX)
                 });
@@ -207,35 +231,38 @@ impl Samples {
         samples
     }
 
+    fn find_boxes(&mut self) {
+        let count = self.normals.len();
+        for start in (0..count).step_by(BOXED) {
+            let points = (start..count.min(start + BOXED)).map(|number| self.points.at(number));
+            let low = points.clone().fold(DVec3::INFINITY, DVec3::min);
+            let high = points.fold(DVec3::NEG_INFINITY, DVec3::max);
+            self.low.push(low);
+            self.high.push(high);
+        }
+    }
+
     pub(super) const fn is_empty(&self) -> bool {
         self.normals.is_empty()
     }
 
     /// Returns about the signed distance from the surface: the plane through the nearest point is
     /// taken for the surface. The gradient is a mean over the points that are about as near, so it
-    /// vanishes on ridges.
-    pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
-        /// Distances that differ by less count as equal, relative to the distance.
-        const BLUR: f64 = 0.01;
-        let of_groups = self.points.least_squares(at);
-        let least = of_groups.into_iter().fold(f64::INFINITY, f64::min);
-        let (plane, slope, total) = InstructionSet::best().run(WeighNearest {
+    /// vanishes on ridges. `scratch` may hold anything.
+    pub(super) fn signed_distance(&self, at: DVec3, scratch: &mut Vec<f64>) -> (f64, DVec3) {
+        scratch.clear();
+        scratch.resize(self.low.x.len(), 0.0);
+        let (plane, slope) = InstructionSet::best().run(FindSurface {
             samples: self,
             at,
-            of_groups,
-            least,
-            most: least * (1.0 + 6.0 * BLUR),
-            blur: (2.0 * BLUR * least).max(f64::MIN_POSITIVE),
+            bounds: scratch,
         });
         let side = if self.is_volume || plane >= 0.0 {
             1.0
         } else {
             -1.0
         };
-        (
-            side * plane,
-            slope * (side / f64::max(total, f64::MIN_POSITIVE)),
-        )
+        (side * plane, slope * side)
     }
 
     /// Finds where the shares of balls meet on the surface: on edges between points of different
@@ -251,21 +278,22 @@ impl Samples {
             let (centre, radius) = balls[ball];
             point.distance_squared(centre) - radius * radius
         };
-        for corners in &self.triangles {
-            let corners = corners.map(|corner| corner as usize);
-            let of = corners.map(|corner| nearest.balls[corner]);
+        for &[a, b, c] in &self.triangles {
+            let (a, b, c) = (a as usize, b as usize, c as usize);
+            let of = [nearest.balls[a], nearest.balls[b], nearest.balls[c]];
             if of[0] == of[1] && of[1] == of[2] {
                 continue;
             }
-            let points = corners.map(|corner| self.points.at(corner));
-            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let points = [self.points.at(a), self.points.at(b), self.points.at(c)];
+            for a in 0..3 {
+                let b = (a + 1) % 3;
                 // Each edge of a closed surface has another triangle that passes it the other way.
                 if of[a] < of[b] {
                     let before = power(of[a], points[a]) - power(of[b], points[a]);
                     let after = power(of[a], points[b]) - power(of[b], points[b]);
                     if before < after {
                         let share = (before / (before - after)).clamp(0.0, 1.0);
-                        meetings.extend([points[a].lerp(points[b], share)]);
+                        meetings.push(points[a].lerp(points[b], share));
                     }
                 }
             }
@@ -280,104 +308,6 @@ impl Samples {
     }
 }
 
-/// Points that are looked at together.
-const BLOCK: usize = 16;
-
-/// Groups of points of which the nearest one is known: most need not be looked at again.
-const GROUPS: usize = 16;
-
-/// The work of [`Nearest::find`].
-///
-/// A ball is tried on a block of points by squares first: most are farther from all of them than the
-/// best one so far. The best ball of the block before is tried first.
-struct FindBest<'a> {
-    points: &'a Points,
-    balls: &'a [(DVec3, f64)],
-    heights: &'a [(f64, DVec3)],
-    best: &'a mut [usize],
-    first: &'a mut [f64],
-}
-
-impl Task for FindBest<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let mut guess = 0;
-        let count = self.best.len();
-        for start in (0..count).step_by(BLOCK) {
-            let end = count.min(start + BLOCK);
-            let mut block = BestOfBlock::new(self.points, start..end);
-            block.try_ball(guess, self.balls[guess].0, self.heights[guess].0);
-            let each = self.balls.iter().zip(self.heights).enumerate();
-            for (ball, (&(centre, _), &(height, _))) in each {
-                if ball != guess {
-                    block.try_ball(ball, centre, height);
-                }
-            }
-            self.best[start..end].copy_from_slice(&block.best[..end - start]);
-            self.first[start..end].copy_from_slice(&block.first[..end - start]);
-            guess = block.best[0];
-        }
-    }
-}
-
-/// A few points, and the best ball so far for each. Those beyond the number of points are never read.
-struct BestOfBlock {
-    x: [f64; BLOCK],
-    y: [f64; BLOCK],
-    z: [f64; BLOCK],
-    best: [usize; BLOCK],
-    first: [f64; BLOCK],
-}
-
-impl BestOfBlock {
-    #[inline(always)]
-    fn new(points: &Points, range: Range<usize>) -> Self {
-        let some = |values: &[f64]| {
-            let mut block = [0.0; BLOCK];
-            block[..range.len()].copy_from_slice(&values[range.clone()]);
-            block
-        };
-        Self {
-            x: some(&points.x),
-            y: some(&points.y),
-            z: some(&points.z),
-            best: [0; BLOCK],
-            first: [f64::INFINITY; BLOCK],
-        }
-    }
-
-    /// Compares a ball with the best one so far; of equally good ones the first stays.
-    #[inline(always)]
-    fn try_ball(&mut self, ball: usize, centre: DVec3, height: f64) {
-        /// Bound above all rounding: lengths are of the order of one.
-        const SPARE: f64 = 1e-12;
-        let mut squares = [0.0; BLOCK];
-        let mut is_near = false;
-        for (i, square) in squares.iter_mut().enumerate() {
-            let (dx, dy, dz) = (
-                self.x[i] - centre.x,
-                self.y[i] - centre.y,
-                self.z[i] - centre.z,
-            );
-            *square = dx * dx + dy * dy + dz * dz;
-            let most = (self.first[i] - height + SPARE).max(0.0);
-            is_near |= *square <= most * most;
-        }
-        if !is_near {
-            return;
-        }
-        for (i, square) in squares.into_iter().enumerate() {
-            let overshoot = square.sqrt() + height;
-            let is_best =
-                overshoot < self.first[i] || (overshoot <= self.first[i] && ball < self.best[i]);
-            self.best[i] = if is_best { ball } else { self.best[i] };
-            self.first[i] = if is_best { overshoot } else { self.first[i] };
-        }
-    }
-}
-
 /// Returns the point of a triangle where two linear functions, given at its corners, vanish.
 fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
     let [(f0, g0), (f1, g1), (f2, g2)] = values;
@@ -386,77 +316,4 @@ fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
     let u = (f2 * g0 - f0 * g2) / below;
     let v = (f0 * g1 - f1 * g0) / below;
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| a + (b - a) * u + (c - a) * v)
-}
-
-impl Nearest {
-    /// Finds the best ball for each point and the overshoot there, given the height of each centre.
-    pub(super) fn find(
-        &mut self,
-        points: &Points,
-        balls: &[(DVec3, f64)],
-        heights: &[(f64, DVec3)],
-    ) {
-        let count = points.x.len();
-        self.balls.clear();
-        self.balls.resize(count, 0);
-        self.first.clear();
-        self.first.resize(count, f64::INFINITY);
-        InstructionSet::best().run(FindBest {
-            points,
-            balls,
-            heights,
-            best: &mut self.balls,
-            first: &mut self.first,
-        });
-    }
-
-    /// Returns the largest overshoot at any point, at least 0.
-    pub(super) fn most(&self) -> f64 {
-        self.first.iter().copied().fold(0.0, f64::max)
-    }
-
-    /// Finds the least overshoot at each point, and the second, given the height of each centre.
-    pub(super) fn find_two(
-        &mut self,
-        points: &Points,
-        balls: &[(DVec3, f64)],
-        heights: &[(f64, DVec3)],
-    ) {
-        let count = points.x.len();
-        self.balls.clear();
-        self.balls.resize(count, 0);
-        self.first.clear();
-        self.first.resize(count, f64::INFINITY);
-        self.second.clear();
-        self.second.resize(count, f64::INFINITY);
-        let (x, y, z) = (&points.x[..count], &points.y[..count], &points.z[..count]);
-        let (best, first) = (&mut self.balls[..count], &mut self.first[..count]);
-        let second = &mut self.second[..count];
-        for (ball, (&(centre, _), &(height, _))) in balls.iter().zip(heights).enumerate() {
-            for i in 0..count {
-                let (dx, dy, dz) = (x[i] - centre.x, y[i] - centre.y, z[i] - centre.z);
-                let overshoot = (dx * dx + dy * dy + dz * dz).sqrt() + height;
-                let is_best = overshoot < first[i];
-                let other = if is_best { first[i] } else { overshoot };
-                second[i] = if other < second[i] { other } else { second[i] };
-                best[i] = if is_best { ball } else { best[i] };
-                first[i] = if is_best { overshoot } else { first[i] };
-            }
-        }
-    }
-
-    /// Returns the largest overshoot without each of the balls.
-    pub(super) fn losses(&self, count: usize) -> Vec<f64> {
-        let mut losses = vec![0.0_f64; count];
-        let mut own = vec![0.0_f64; count];
-        for ((&ball, &first), &second) in self.balls.iter().zip(&self.first).zip(&self.second) {
-            own[ball] = own[ball].max(first);
-            losses[ball] = losses[ball].max(second);
-        }
-        for (ball, loss) in losses.iter_mut().enumerate() {
-            let others = own.iter().enumerate().filter(|&(other, _)| other != ball);
-            *loss = others.map(|(_, &own)| own).fold(*loss, f64::max);
-        }
-        losses
-    }
 }

@@ -60,6 +60,14 @@ impl SolidPart {
         }
     }
 
+    /// Returns true if the signed distance is not positive. No mesh is asked how far its surface is.
+    fn contains(&self, at: DVec3) -> bool {
+        match self {
+            Self::Convex(convex) => convex.signed_distance(at).0 <= 0.0,
+            Self::Mesh(mesh) => mesh.is_closed() && mesh.crossings(at) != 0 || mesh.has(at),
+        }
+    }
+
     /// Returns an upper bound of the signed distance, and about its gradient. Far from edges of
     /// a mesh seen from above it is the distance.
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
@@ -137,6 +145,11 @@ impl Solid {
         distances
             .reduce(nearer)
             .unwrap_or((f64::INFINITY, DVec3::ZERO))
+    }
+
+    /// Returns true if [`signed_distance`](Self::signed_distance) is not positive.
+    pub(super) fn contains(&self, at: DVec3) -> bool {
+        self.parts.iter().any(|part| part.contains(at))
     }
 
     /// Returns, for each place, an upper bound of the signed distance that holds without exception.

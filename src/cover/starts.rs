@@ -10,7 +10,7 @@ pub(super) fn pool(solid: &Solid, count: usize, random: &mut Random) -> Vec<DVec
     let mut pool = Vec::with_capacity(count);
     for _ in 0..32 * count {
         let point = random.point(solid.low, solid.high);
-        if solid.signed_distance(point).0 <= 0.0 {
+        if solid.contains(point) {
             pool.push(point);
             if pool.len() == count {
                 return pool;
@@ -107,28 +107,24 @@ fn nearest(points: impl Iterator<Item = DVec3>, place: DVec3) -> usize {
 /// signed distances. Balls around such points contain much and reach out little.
 pub(super) fn deepest(
     pool: &[DVec3],
-    signed_distance: &(impl Fn(DVec3) -> (f64, DVec3) + Sync),
+    signed_distance: &(impl Fn(DVec3, &mut Vec<f64>) -> (f64, DVec3) + Sync),
 ) -> Vec<(DVec3, f64)> {
     const STEPS: u32 = 24;
-    parallel::map(
-        pool.len(),
-        || (),
-        |(), number| {
-            let mut at = pool[number];
-            let (mut height, mut slope) = signed_distance(at);
-            let mut length = height.abs();
-            for _ in 0..STEPS {
-                let next = at - slope * length;
-                let (next_height, next_slope) = signed_distance(next);
-                if next_height < height {
-                    (at, height, slope) = (next, next_height, next_slope);
-                } else {
-                    length /= 2.0;
-                }
+    parallel::map(pool.len(), Vec::new, |scratch, number| {
+        let mut at = pool[number];
+        let (mut height, mut slope) = signed_distance(at, scratch);
+        let mut length = height.abs();
+        for _ in 0..STEPS {
+            let next = at - slope * length;
+            let (next_height, next_slope) = signed_distance(next, scratch);
+            if next_height < height {
+                (at, height, slope) = (next, next_height, next_slope);
+            } else {
+                length /= 2.0;
             }
-            (at, height)
-        },
-    )
+        }
+        (at, height)
+    })
 }
 
 /// Returns the centres of lattices in the box around a solid, with at most `count` points, as far
