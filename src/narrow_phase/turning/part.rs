@@ -246,7 +246,7 @@ impl<'a> SpheresOverPart<'a> {
         }
         let mut bounds = std::mem::take(&mut scratch.bounds);
         bounds.clear();
-        let mut add = |candidate: SphereCandidate| {
+        let add = |candidate: SphereCandidate| {
             let least = candidate.lowest.sqrt() - candidate.radii;
             bounds.push((least, candidate.spheres));
         };
