@@ -177,7 +177,7 @@ impl Orientation {
     /// [`Error::Tolerance`] if it is not within 1e-9..=0.1; [`Error::RotationVanishes`] if a
     /// [normalised cubic](Self::normalized_cubic) cannot be known so well.
     pub fn with_tolerance(self, tolerance: f64) -> Result<Self, Error> {
-        Self::of_parts(self.parts(), Some(tolerance))
+        Self::of_parts(self.parts(), Some(tolerance), &[])
     }
 
     /// Returns the orientation that is this one until `from` (s) and `next` from then on. Parts that end
@@ -192,12 +192,14 @@ impl Orientation {
         let (own, other) = (self.parts(), next.parts());
         let tolerance = |one: &Self| one.turning().and_then(|turning| turning.tolerance);
         let tolerance = tolerance(next).or_else(|| tolerance(self));
+        let known: Vec<&Turning> = [self, next].into_iter().filter_map(Self::turning).collect();
         if let ([.., last], [only]) = (&own[..], &other[..])
             && last.source == only.source
             && last.from.is_none_or(|begin| begin <= from)
         {
             // It is followed already.
-            return Self::of_parts(Turning::parts_until(&own, f64::INFINITY, since), tolerance);
+            let parts = Turning::parts_until(&own, f64::INFINITY, since);
+            return Self::of_parts(parts, tolerance, &known);
         }
         let mut parts = Turning::parts_until(&own, from, since);
         let mut first = (!parts.is_empty()).then_some(from);
@@ -208,7 +210,7 @@ impl Orientation {
                 source: part.source,
             });
         }
-        Self::of_parts(parts, tolerance)
+        Self::of_parts(parts, tolerance, &known)
     }
 
     /// Returns an instant (s) from which on an orientation may be followed.
@@ -246,12 +248,16 @@ impl Orientation {
     }
 
     fn of(source: Source) -> Result<Self, Error> {
-        Self::of_parts(vec![OrientationPart { from: None, source }], None)
+        Self::of_parts(vec![OrientationPart { from: None, source }], None, &[])
     }
 
-    /// Returns the orientation of these parts, cut for this tolerance.
-    fn of_parts(parts: Vec<OrientationPart>, tolerance: Option<f64>) -> Result<Self, Error> {
-        let turning = Turning::of(parts, tolerance)?;
+    /// Returns the orientation of these parts, cut for this tolerance; see [`Turning::of`].
+    fn of_parts(
+        parts: Vec<OrientationPart>,
+        tolerance: Option<f64>,
+        known: &[&Turning],
+    ) -> Result<Self, Error> {
+        let turning = Turning::of(parts, tolerance, known)?;
         let is_fixed = turning
             .parts
             .iter()

@@ -55,6 +55,6 @@ impl TryFrom<OrientationNumbers> for Orientation {
         if parts.is_empty() {
             return Ok(Self::FIXED);
         }
-        Self::of_parts(parts, tolerance)
+        Self::of_parts(parts, tolerance, &[])
     }
 }

@@ -40,6 +40,11 @@ impl Source {
         }
     }
 
+    /// Returns true if the cuts have to be searched for.
+    pub(super) const fn is_cubic(&self) -> bool {
+        matches!(self, Self::NormalizedCubic { .. })
+    }
+
     /// Returns the pieces for all time, in time order, cut for these tolerances.
     pub(super) fn pieces(&self, tolerances: [f64; 2]) -> Result<Vec<Piece>, Error> {
         match self {

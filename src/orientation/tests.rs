@@ -7,7 +7,7 @@ mod terms;
 
 use super::Orientation;
 use super::source::Source;
-use super::turning::TurningCell;
+use super::turning::{Turning, TurningCell};
 use crate::accuracy::Accuracy;
 use crate::error::{Error, Quantity};
 use crate::trajectory::Outside;
@@ -319,4 +319,45 @@ fn what_rounding_hides_is_unknown() {
     }
     let cell = turning.cell_at(1.0, Accuracy::Certified);
     assert!(turning.bake(&cell, Accuracy::Certified).error() < 2e-6);
+}
+
+/// Orientations follow each other; what is known of one before is as if all were made anew.
+#[test]
+fn kept_pieces_are_those_made_anew() {
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let cubics: [Orientation; 3] = [(); 3].map(|()| {
+        let knots: Vec<(f64, DQuat)> = (0..6)
+            .map(|number| (f64::from(number), rotation(&mut rng)))
+            .collect();
+        Orientation::normalized_cubic(&knots).unwrap()
+    });
+    let mut kept = 0;
+    for _ in 0..200 {
+        let mut now = rng.random_range(-1.0..2.0);
+        let mut one = cubics[rng.random_range(0..3)].clone();
+        for _ in 0..6 {
+            now += rng.random_range(0.0..1.0);
+            let next = if rng.random_bool(0.5) {
+                cubics[rng.random_range(0..3)].clone()
+            } else {
+                Orientation::spin(now, rotation(&mut rng), vector(&mut rng, 3.0)).unwrap()
+            };
+            let since = now - rng.random_range(0.0..2.0);
+            one = one.followed_by(&next, now, since).unwrap();
+            let turning = one.turning().unwrap();
+            let anew = Turning::of(turning.parts.clone(), turning.tolerance, &[]).unwrap();
+            assert_eq!(
+                format!("{:?}", turning.pieces),
+                format!("{:?}", anew.pieces),
+                "{:?}",
+                turning.parts
+            );
+            kept += turning
+                .parts
+                .iter()
+                .filter(|part| part.source.is_cubic())
+                .count();
+        }
+    }
+    assert!(kept > 500, "{kept}");
 }

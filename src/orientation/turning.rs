@@ -44,8 +44,12 @@ impl PartialEq for Turning {
 }
 
 impl Turning {
-    /// Returns the motion of these parts.
-    pub(super) fn of(parts: Vec<OrientationPart>, tolerance: Option<f64>) -> Result<Self, Error> {
+    /// Returns the motion of these parts. Cuts of cubics that known motions have are not searched for again.
+    pub(super) fn of(
+        parts: Vec<OrientationPart>,
+        tolerance: Option<f64>,
+        known: &[&Self],
+    ) -> Result<Self, Error> {
         /// Range of tolerances: what rounding, and a cubic, allow.
         const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.1;
         if let Some(value) = tolerance.filter(|value| !RANGE.contains(value)) {
@@ -61,7 +65,12 @@ impl Turning {
             let start = part.from.unwrap_or(f64::NEG_INFINITY);
             let next = turning.parts.get(number + 1).and_then(|next| next.from);
             let end = next.unwrap_or(f64::INFINITY);
-            for mut piece in part.source.pieces(tolerances)? {
+            let known = known.iter().filter(|one| one.tolerance == tolerance);
+            let kept = known
+                .filter(|_| part.source.is_cubic())
+                .find_map(|one| one.pieces_within(&part.source, (start, end)));
+            let pieces = kept.map_or_else(|| part.source.pieces(tolerances), Ok)?;
+            for mut piece in pieces {
                 piece.start = piece.start.max(start);
                 piece.end = piece.end.min(end);
                 if piece.start < piece.end {
@@ -72,13 +81,30 @@ impl Turning {
         Ok(turning)
     }
 
+    /// Returns the pieces of a source, if it is followed at least between two instants (s).
+    fn pieces_within(&self, source: &Source, (start, end): (f64, f64)) -> Option<Vec<Piece>> {
+        let followed = |number: usize| {
+            let part = self.parts.get(number).filter(|part| part.source == *source);
+            part.and_then(|_| {
+                Self::followed_within(&self.parts, number, f64::INFINITY, f64::NEG_INFINITY)
+            })
+        };
+        let mut intervals = (0..self.parts.len()).filter_map(followed);
+        let (from, to) = intervals.find(|&(from, to)| from <= start && end <= to)?;
+        let own = self
+            .pieces
+            .iter()
+            .filter(|piece| from <= piece.start && piece.end <= to);
+        Some(own.cloned().collect())
+    }
+
     /// Returns the motion with another rule for the time outside the knots.
     pub(super) fn with_outside(&self, outside: Outside) -> Result<Self, Error> {
         let mut parts = self.parts.clone();
         for part in &mut parts {
             part.source.set_outside(outside);
         }
-        Self::of(parts, self.tolerance)
+        Self::of(parts, self.tolerance, &[])
     }
 
     /// Returns the tolerances of both sets of cuts.
