@@ -276,7 +276,7 @@ impl DescentScratch {
     fn share_samples(&mut self, samples: &Samples, depth: f64) -> f64 {
         let (balls, heights) = (&self.balls, &self.heights);
         self.nearest.find(&samples.points, balls, heights);
-        samples.find_meetings(&self.nearest, balls, &mut self.meetings);
+        samples.find_meetings(&self.nearest.balls, balls, &mut self.meetings);
         self.nearest_to_meetings
             .find(&self.meetings, balls, heights);
         let found = [

@@ -2,7 +2,6 @@
 //!
 //! All of this is for the search alone: proofs look at the surface itself.
 
-use super::nearest::Nearest;
 use super::surface::Surface;
 use crate::simd::{InstructionSet, Task};
 use glam::DVec3;
@@ -266,10 +265,10 @@ impl Samples {
     }
 
     /// Finds where the shares of balls meet on the surface: on edges between points of different
-    /// balls, and in triangles of three.
+    /// balls, and in triangles of three. `nearest` has the ball of each point.
     pub(super) fn find_meetings(
         &self,
-        nearest: &Nearest,
+        nearest: &[usize],
         balls: &[(DVec3, f64)],
         meetings: &mut Points,
     ) {
@@ -280,7 +279,7 @@ impl Samples {
         };
         for &[a, b, c] in &self.triangles {
             let (a, b, c) = (a as usize, b as usize, c as usize);
-            let of = [nearest.balls[a], nearest.balls[b], nearest.balls[c]];
+            let of = [nearest[a], nearest[b], nearest[c]];
             if of[0] == of[1] && of[1] == of[2] {
                 continue;
             }
