@@ -32,7 +32,8 @@ fn a_spin_that_nearly_rests_is_known() {
             "{rate} rad/s: {separation} m, not {expected} m"
         );
         let proven = pair::certified_closest_approach(&rod, &passing, window).unwrap();
-        assert!(proven.unwrap().error < 1e-6, "{rate} rad/s: {proven:?}");
+        // Twice the tolerance of certified answers at the balls' distance.
+        assert!(proven.unwrap().error <= 2.1e-5, "{rate} rad/s: {proven:?}");
         let query = Query::new(window).with_margin(0.5);
         assert!(pair::conflicts(&rod, &passing, &query).unwrap().is_empty());
     }
