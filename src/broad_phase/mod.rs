@@ -118,7 +118,7 @@ pub trait BroadPhase: Default + Send {
 pub(crate) struct Methods {
     brute_force: BruteForce,
     tree: Tree,
-    pub(crate) sweep: Sweep,
+    sweep: Sweep,
 }
 
 impl Methods {

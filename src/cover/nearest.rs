@@ -168,6 +168,14 @@ fn range(values: &[f64; BLOCK]) -> (f64, f64) {
 }
 
 impl Nearest {
+    /// Forgets what was found, for that many points.
+    fn reset(&mut self, count: usize) {
+        self.balls.clear();
+        self.balls.resize(count, 0);
+        self.first.clear();
+        self.first.resize(count, f64::INFINITY);
+    }
+
     /// Finds the best ball for each point and the overshoot there, given the height of each centre.
     pub(super) fn find(
         &mut self,
@@ -175,11 +183,7 @@ impl Nearest {
         balls: &[(DVec3, f64)],
         heights: &[(f64, DVec3)],
     ) {
-        let count = points.x.len();
-        self.balls.clear();
-        self.balls.resize(count, 0);
-        self.first.clear();
-        self.first.resize(count, f64::INFINITY);
+        self.reset(points.x.len());
         self.centres.clear();
         self.centres.extend(balls.iter().map(|&(centre, _)| centre));
         self.farthest.clear();
@@ -222,10 +226,7 @@ impl Nearest {
         heights: &[(f64, DVec3)],
     ) {
         let count = points.x.len();
-        self.balls.clear();
-        self.balls.resize(count, 0);
-        self.first.clear();
-        self.first.resize(count, f64::INFINITY);
+        self.reset(count);
         self.second.clear();
         self.second.resize(count, f64::INFINITY);
         let (x, y, z) = (&points.x[..count], &points.y[..count], &points.z[..count]);

@@ -75,9 +75,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             let round = blocks.round.min(blocks.count - first);
             if blocks.is_shared {
                 let take = || self.pool.take();
-                let blocks: Vec<u32> = (first..first + round).collect();
-                let results = parallel::map(blocks.len(), take, |scratch, place| {
-                    let counted = search(scratch, blocks[place])?;
+                let numbers: Vec<u32> = (first..first + round).collect();
+                let results = parallel::map(numbers.len(), take, |scratch, place| {
+                    let counted = search(scratch, numbers[place])?;
                     Ok((scratch.found.clone(), counted))
                 });
                 for result in results {
