@@ -128,10 +128,12 @@ impl Trial {
     /// Returns the cheapest factor within the range in which one trial can be trusted.
     fn best_factor(&self, growth: &Growth) -> f64 {
         let quarters = -MAX_QUARTERS..=MAX_QUARTERS;
-        let factors = quarters.map(|quarter| 2_f64.powf(f64::from(quarter) / 4.0));
-        let cheaper =
-            |&one: &f64, &other: &f64| self.cost(one, growth).total_cmp(&self.cost(other, growth));
-        factors.min_by(cheaper).unwrap_or(1.0)
+        let costs = quarters.map(|quarter| {
+            let factor = 2_f64.powf(f64::from(quarter) / 4.0);
+            (self.cost(factor, growth), factor)
+        });
+        let cheapest = costs.min_by(|one, other| one.0.total_cmp(&other.0));
+        cheapest.map_or(1.0, |(_, factor)| factor)
     }
 }
 

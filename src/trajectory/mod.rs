@@ -292,7 +292,7 @@ impl Trajectory {
     /// Returns position, velocity and acceleration on the cubic that the body follows at `time`.
     fn followed_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let knots = self.knots();
-        let after = knots.partition_point(|&knot| knot <= time);
+        let after = knots_until(knots, time);
         if after == 0 {
             return self.segment_before().motion_at(time);
         }
@@ -309,5 +309,15 @@ impl Trajectory {
             Some(last) if self.outside_after() == Outside::Absent => last.motion_at(time),
             _ => self.segment_after().motion_at(time),
         }
+    }
+}
+
+/// Returns the number of knots up to a time (s). The ends are looked at first: they are asked about most
+/// often, and a search in between reads a long list at many places.
+fn knots_until(knots: &[f64], time: f64) -> usize {
+    match knots {
+        [.., last] if *last <= time => knots.len(),
+        [first, second, ..] if time < *second => usize::from(*first <= time),
+        _ => knots.partition_point(|&knot| knot <= time),
     }
 }
