@@ -219,6 +219,14 @@ impl CommandBatch {
 
     /// Drops all changes, and the values they replaced.
     pub(super) fn clear(&mut self) {
+        // Freeing memory reads both of its ends, which lie anywhere.
+        for index in 0..self.changed.len() {
+            let later = self.changed.get(index + 2 * Self::AHEAD);
+            if let Some(later) = later.and_then(|later| later.trajectory.as_ref()) {
+                later.prefetch_ends();
+            }
+            self.changed[index].trajectory = None;
+        }
         self.changed.clear();
         self.inserted.clear();
         self.pairs.clear();

@@ -1,5 +1,6 @@
 //! A vector with spare capacity in front, so that a splice can prepend without moving the rest.
 
+use crate::simd::prefetch;
 use std::iter::repeat_n;
 use std::ops::Deref;
 
@@ -82,6 +83,12 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
 
     pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {
         &mut self.all[self.first..][..count]
+    }
+
+    /// Prefetches both ends of the allocation.
+    pub(super) fn prefetch_ends(&self) {
+        prefetch(&self.all[..self.all.len().min(1)]);
+        prefetch(&self.all[self.all.len().saturating_sub(1)..]);
     }
 
     pub(super) fn drop_front(&mut self, count: usize) {

@@ -288,6 +288,14 @@ impl Trajectory {
             }
         }
     }
+
+    /// Prefetches the data that dropping the trajectory reads.
+    pub(crate) fn prefetch_ends(&self) {
+        if let Form::Lists(lists) = &self.form {
+            lists.knots.prefetch_ends();
+            lists.segments.prefetch_ends();
+        }
+    }
 }
 
 #[cfg(test)]
