@@ -249,8 +249,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         })
     }
 
-    /// Returns the fat line, and the box rounded outward, in the frame's unit; infinite where the
-    /// frame does not serve. `first` is the cubic that the body follows first.
+    /// Returns the fat line, and the box rounded outward, in the frame's unit. Where the frame does
+    /// not serve, the fat line is infinite, and the box as large as `f32` allows. `first` is the cubic that the body follows first.
     #[inline(always)]
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;

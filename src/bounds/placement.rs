@@ -33,7 +33,7 @@ impl FramePlacement {
         steady: 0.0,
     };
 
-    /// The placement of a body that the frame does not serve: leads to an infinite box.
+    /// The placement of a body that the frame does not serve: leads to a box as large as `f32` allows.
     const ANYWHERE: Self = Self {
         factor: 0.0,
         steady: f32::INFINITY,

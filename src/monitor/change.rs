@@ -39,7 +39,8 @@ impl Monitor {
         Ok(id)
     }
 
-    /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick.
+    /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick, or at the instant up to
+    /// which its events were reported if a budget ran out before.
     ///
     /// # Errors
     ///
@@ -151,7 +152,8 @@ impl Monitor {
     /// A plan is late if `from` lies before the clock. A late plan is accepted if it continues from
     /// the clock on. The returned instant is then the latest of `from`, the start of the plan's
     /// [domain](Trajectory::domain) and the start of the body's. The body keeps its known motion
-    /// before that instant. Events already reported stand: no event is reported for a change before
+    /// before that instant. A body that does not exist yet at the clock takes no late plan
+    /// ([`Error::NoPlanAt`]). Events already reported stand: no event is reported for a change before
     /// the clock of the last tick.
     ///
     /// ```

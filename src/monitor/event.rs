@@ -174,7 +174,8 @@ pub enum EventKind {
 #[non_exhaustive]
 pub struct Event {
     /// Time, s: the enter of what began, the exit of what ended, or the end of the plan that ends.
-    /// Otherwise the monitor's clock; for withdrawals by a removal, the clock of the tick before.
+    /// Otherwise the monitor's clock; for withdrawals by a removal, the clock of the tick before, or the instant up to
+    /// which that tick reported events if its budget ran out.
     pub time: f64,
     /// Kind, with the encounter or the body.
     pub kind: EventKind,

@@ -186,12 +186,12 @@ impl LookaheadSearch {
         push_once(&mut self.left_out, pair);
     }
 
-    /// Looks for a body's pairs anew: its filter changed.
+    /// Marks a body as changed: its pairs are searched for again.
     pub(super) fn forget(&mut self, slot: u32) {
         self.forget_all(once(slot));
     }
 
-    /// Looks for the pairs of some bodies anew; returns the number of bodies.
+    /// Marks some bodies as changed; returns their number.
     pub(super) fn forget_all(&mut self, slots: impl Iterator<Item = u32>) -> usize {
         let mut count = 0;
         for slot in slots {

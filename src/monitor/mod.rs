@@ -383,7 +383,7 @@ impl Monitor {
     }
 
     /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b). None while nothing after now is known.
+    /// last tick, sorted by (enter, a, b). The list is empty while nothing after now is known.
     ///
     /// # Errors
     ///

@@ -46,7 +46,7 @@ impl Monitor {
     ///     monitor.track(now, [(player, state)])?;
     ///     monitor.advance(now, &mut events)?;
     /// }
-    /// // Two seconds ahead of the wall it was foreseen.
+    /// // The first tick predicts it, 1.3 s before they come within 1 m.
     /// assert!(matches!(events[0].kind, EventKind::Predicted(encounter) if encounter.a == wall));
     /// # Ok::<(), nearmiss::Error>(())
     /// ```

@@ -28,7 +28,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoPlanAt`] if
-    /// the plan does not exist now, as [`replan`](Self::replan) would say.
+    /// the plan or the body does not exist now, or the plan ends now.
     pub fn what_if<'p>(
         &self,
         id: BodyId,

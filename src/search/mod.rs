@@ -3,7 +3,7 @@
 //! Time is cut into slices. In each slice every body has a box and a fat line. Overlapping boxes
 //! give candidates, and cheap tests leave spans of these. Bodies have dense numbers only
 //! ([`Bodies`]). [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last part,
-//! which a monitor also uses for the few changed pairs of a slice.
+//! which a monitor's slices use directly.
 
 mod bodies;
 mod body_walk;
