@@ -125,19 +125,19 @@ mod tests {
             let state = State::new(told - age, position - age * velocity, velocity);
             Trajectory::coasting_motion(&state).unwrap_or_else(|_| unreachable!("it is usable"))
         };
-        let mut flown = Trajectory::of_straight(motion(-1.0));
+        let mut trajectory = Trajectory::of_straight(motion(-1.0));
         let window = Window::new(-0.5, 3.0).unwrap_or_else(|_| unreachable!());
         for told in [-0.8, -0.5, -0.2, 0.0] {
             let next = motion(told);
-            if flown.can_replace(told, &next, window) {
-                flown.replace(told, &next, told - 0.25);
+            if trajectory.can_replace(told, &next, window) {
+                trajectory.replace(told, &next, told - 0.25);
             } else {
                 let mut plan = Trajectory::of_straight(next);
-                assert!(plan.precede_by(&flown, told, told - 0.1).is_ok());
-                flown = plan;
+                assert!(plan.precede_by(&trajectory, told, told - 0.1).is_ok());
+                trajectory = plan;
             }
         }
-        flown
+        trajectory
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
@@ -150,8 +150,8 @@ mod tests {
         for round in 0..600 {
             let age = [0.0, 1.0, 1e6, 1e9, 1e13][round % 5];
             let far = [1.0, 1e5][round / 5 % 2];
-            let flown = told(&mut rng, age, far);
-            assert!(!flown.straight_motions().is_empty());
+            let trajectory = told(&mut rng, age, far);
+            assert!(!trajectory.straight_motions().is_empty());
             let frame = Frame::amid(
                 super::super::DAabb {
                     low: DVec3::splat(-far),
@@ -162,7 +162,7 @@ mod tests {
             );
             let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
             let source =
-                CubicSource::<Segment>::straight(Knots::over(&flown, None), &padding, &frame);
+                CubicSource::<Segment>::straight(Knots::over(&trajectory, None), &padding, &frame);
             let common = [DVec3::ZERO, DVec3::new(9.0, -3.0, 1.0)][round % 2];
             let moving = frame.moving(common);
             let ends = [-0.1, 0.0, 0.7, 0.7, 2.0];
@@ -179,13 +179,13 @@ mod tests {
                 for step in 0..=4 {
                     let share = f64::from(step) / 4.0;
                     let time = ends[0] + share * (ends[1] - ends[0]);
-                    let piece = flown.cuts()[1..]
+                    let piece = trajectory.cuts()[1..]
                         .iter()
                         .take_while(|&&cut| cut < time)
                         .count();
                     replaced += usize::from(piece > 0);
-                    let motion =
-                        &flown.straight_motions()[piece.min(flown.straight_motions().len() - 1)];
+                    let motion = &trajectory.straight_motions()
+                        [piece.min(trajectory.straight_motions().len() - 1)];
                     let since = number(time) - number(motion.start());
                     let position = Exact::of(motion.origin())
                         .plus(&Exact::of(motion.velocity()).times(&since));
@@ -201,7 +201,7 @@ mod tests {
                         let relative = position.minus(&moved).minus(&Exact::of(middle));
                         relative.is_within_box((high - low) * 0.5 - room)
                     };
-                    assert!(inside(SEEN), "{round} {time} {flown:?}");
+                    assert!(inside(SEEN), "{round} {time} {trajectory:?}");
                     let mut most = SEEN;
                     while most < 1e3 && inside(most) {
                         most *= 1.2;

@@ -50,7 +50,7 @@ impl SourcesInPlace for BodyTable<'_> {
 
     #[inline(always)]
     fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>> {
-        let (monitored, body) = self.monitored.known(self.scene, body)?;
+        let (monitored, body) = self.monitored.with_body(self.scene, body)?;
         if !monitored.has_partner {
             return None;
         }
@@ -105,7 +105,7 @@ impl<'m> BodyTable<'m> {
         interval: (f64, f64),
         normal: DVec3,
     ) -> Option<HeightRange> {
-        let (monitored, body) = self.monitored.known(self.scene, slot)?;
+        let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
         // Beyond the instant up to which it is followed, a plan may go anywhere.
         let is_extended =
             interval.1 > monitored.until() || monitored.knots(&body.trajectory).are_extended();
@@ -116,8 +116,8 @@ impl<'m> BodyTable<'m> {
     /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
     #[inline(always)]
     pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
-        let known = self.monitored.known(self.scene, slot);
-        match known.filter(|(monitored, _)| monitored.has_partner) {
+        let found = self.monitored.with_body(self.scene, slot);
+        match found.filter(|(monitored, _)| monitored.has_partner) {
             Some((monitored, body)) => {
                 let plan = &body.trajectory;
                 let cubics = (monitored.knots(plan), plan.cubics());

@@ -3,7 +3,7 @@
 use super::Monitor;
 use super::command::{ChangeContext, Command, CommandBatch, PairRule};
 use super::event::EndReason;
-use super::grid::{Grid, RescheduleTrigger, SceneSignature};
+use super::grid::{Grid, RescheduleTrigger, SceneEstimate};
 use super::lookahead::push_once;
 use super::monitored_bodies::MonitoredBody;
 use super::read::LevelCaches;
@@ -427,8 +427,8 @@ impl Monitor {
             }
             self.reschedule = RescheduleTrigger::made(bodies, now);
             let velocity = grid.frame.velocity();
-            let signature = SceneSignature::of(&self.scene, margin, span, velocity);
-            if grid.suits(&self.scene, margin, &signature) {
+            let estimate = SceneEstimate::of(&self.scene, margin, span, velocity);
+            if grid.suits(&self.scene, margin, &estimate) {
                 return Ok(());
             }
         }
@@ -449,8 +449,8 @@ impl Monitor {
     ) -> Result<(), Error> {
         let context = self.change_context()?;
         let (window, since) = (context.window, context.forget_before);
-        let flown = self.scene.replace_motion(id, (from, motion, since))?;
-        self.search.replan(id.slot, flown, window)?;
+        let trajectory = self.scene.replace_motion(id, (from, motion, since))?;
+        self.search.replan(id.slot, trajectory, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);
         self.count_change();
         Ok(())

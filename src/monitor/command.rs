@@ -81,7 +81,7 @@ impl ChangeContext<'_> {
     /// [`Error::Clock`]; [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
     pub(super) fn follows_from(
         &self,
-        flown: &Trajectory,
+        old: &Trajectory,
         plan: &Trajectory,
         from: f64,
     ) -> Result<f64, Error> {
@@ -91,10 +91,10 @@ impl ChangeContext<'_> {
         if from > self.now {
             return Ok(from);
         }
-        if flown.domain().contains(self.now) && !plan.goes_on_from(self.now) {
+        if old.domain().contains(self.now) && !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now });
         }
-        let known = flown.domain().start().max(plan.domain().start());
+        let known = old.domain().start().max(plan.domain().start());
         Ok(from.max(known).min(self.now))
     }
 
@@ -167,7 +167,7 @@ struct PendingSplice {
 type Rejection = (usize, Error);
 
 impl CommandBatch {
-    /// Number of changes that one thread settles at a time.
+    /// Number of changes that one thread prepares at a time.
     const CHUNK: usize = 64;
     /// Number of changes not worth another thread: 0.3 ms of preparing or dropping.
     pub(super) const FEW: usize = 1024;
@@ -197,12 +197,12 @@ impl CommandBatch {
                     scene.prefetch(later.id.slot);
                 }
                 if let Some(later) = changes.get(index + Self::AHEAD) {
-                    let flown = scene.body(later.id).map(|body| &body.trajectory);
-                    let both = flown.into_iter().chain(&later.trajectory);
+                    let old = scene.body(later.id).map(|body| &body.trajectory);
+                    let both = old.into_iter().chain(&later.trajectory);
                     both.for_each(Trajectory::prefetch);
                 }
                 let change = &mut changes[index];
-                change.refusal = change.settle(scene, context).err();
+                change.refusal = change.prepare(scene, context).err();
             }
         });
         let changed = self.changed.iter_mut();
@@ -324,7 +324,7 @@ impl CommandBatch {
         Ok(())
     }
 
-    /// Returns the pending change of a body. Settling, after the prefetch, checks that the body
+    /// Returns the pending change of a body. `prepare`, after the prefetch, checks that the body
     /// exists.
     fn change_of(
         &mut self,
@@ -387,14 +387,14 @@ impl PendingChange {
     ) -> Result<(), Rejection> {
         self.motion_to_splice();
         self.splice(scene, context)?;
-        let flown = self.trajectory.replace(plan);
+        let old = self.trajectory.replace(plan);
         self.splice = Some(PendingSplice {
             from,
             command: self.last,
         });
-        // An earlier plan of this batch is joined now, the body's own in `settle`.
-        flown.map_or(Ok(()), |flown| {
-            self.precede_by(&flown, self.body(scene)?.tag, context)
+        // An earlier plan of this batch is joined now, the body's own in `prepare`.
+        old.map_or(Ok(()), |old| {
+            self.precede_by(&old, self.body(scene)?.tag, context)
         })
     }
 
@@ -414,15 +414,15 @@ impl PendingChange {
         let Some(pending) = &mut self.motion else {
             return Ok(false);
         };
-        let (flown, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
-        let from = context.follows_from(flown, &plan, pending.from);
+        let (old, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
+        let from = context.follows_from(old, &plan, pending.from);
         let from = from.map_err(|error| {
             let error = error.in_body(body.tag).with_id(self.id);
             (pending.command, error)
         })?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let can = keeps_shape && flown.can_replace(from, &pending.motion, context.window);
+        let can = keeps_shape && old.can_replace(from, &pending.motion, context.window);
         if can {
             self.late = Some(from).filter(|from| pending.from < *from);
             pending.from = from;
@@ -441,7 +441,7 @@ impl PendingChange {
 
     fn precede_by(
         &mut self,
-        flown: &Trajectory,
+        old: &Trajectory,
         tag: u64,
         context: &ChangeContext<'_>,
     ) -> Result<(), Rejection> {
@@ -449,18 +449,18 @@ impl PendingChange {
             return Ok(());
         };
         let from = match splice.from {
-            Some(from) => context.follows_from(flown, plan, from),
-            None => Ok(flown.knots().last().copied().unwrap_or(0.0)),
+            Some(from) => context.follows_from(old, plan, from),
+            None => Ok(old.knots().last().copied().unwrap_or(0.0)),
         };
         let spliced = from.and_then(|from| {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
-            plan.precede_by(flown, from, context.forget_before)
+            plan.precede_by(old, from, context.forget_before)
         });
         spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }
 
     /// Prepares the outcome for the body.
-    fn settle(&mut self, scene: &Scene, context: &ChangeContext<'_>) -> Result<(), Rejection> {
+    fn prepare(&mut self, scene: &Scene, context: &ChangeContext<'_>) -> Result<(), Rejection> {
         let body = self.body(scene)?;
         if !self.is_removed && self.can_replace(body, context)? {
             return Ok(());

@@ -196,14 +196,14 @@ impl EncounterTracker {
     /// the planned encounters of each, by time.
     pub(super) fn update<'p, P: Iterator<Item = &'p PlannedEncounter>>(
         &mut self,
-        changed: impl Iterator<Item = (SlotPair, P)>,
+        listed: impl Iterator<Item = (SlotPair, P)>,
         tick: &TickContext,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
         self.updated.clear();
         self.waiting.clear();
-        for (slots, planned) in changed {
+        for (slots, planned) in listed {
             self.update_pair(slots, planned, tick, next_id, events);
             self.updated.push(slots);
         }
@@ -212,7 +212,7 @@ impl EncounterTracker {
             while updated.next_if(|slots| **slots < entry.key).is_some() {}
             updated.peek() != Some(&&entry.key)
         });
-        self.tracked.settle();
+        self.tracked.merge_added();
     }
 
     /// Adds the new encounters of a pair; its old ones stay beside them.
@@ -273,7 +273,7 @@ impl EncounterTracker {
         for tracked in saved {
             encounters.add(slots_of(&tracked), tracked);
         }
-        encounters.tracked.settle();
+        encounters.tracked.merge_added();
         encounters
     }
 

@@ -20,13 +20,13 @@ pub(super) struct Grid {
     /// Number of slices that make up the lookahead.
     pub(super) slice_count: f64,
     /// Signature of the scene when that was chosen.
-    signature: SceneSignature,
+    estimate: SceneEstimate,
 }
 
 /// An estimate of the number of slices of a lookahead, by a rule of thumb, from some of the bodies. Two
 /// estimates that differ show at little cost that another grid may suit the scene better.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SceneSignature {
+pub(super) struct SceneEstimate {
     slices: f64,
     /// The middle half of the bodies on each axis (m): a few that stray make no difference.
     middle: DAabb,
@@ -69,7 +69,7 @@ impl RescheduleTrigger {
     }
 }
 
-impl SceneSignature {
+impl SceneEstimate {
     /// Returns the estimate for a scene's bodies within a lookahead from an instant on (s), for pairs
     /// within `margin` (m) in boxes that move with a velocity (m/s).
     pub(super) fn of(
@@ -143,14 +143,14 @@ impl Grid {
         // Whole: else part of the next one would be due with the first tick.
         let slice_count = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
-        let signature = SceneSignature::of(scene, margin, (origin, lookahead), velocity);
+        let estimate = SceneEstimate::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
-            frame: Frame::amid(scene.extremes(), signature.middle, margin.abs()).moving(velocity),
+            frame: Frame::amid(scene.extremes(), estimate.middle, margin.abs()).moving(velocity),
             origin,
             length: lookahead / slice_count,
             search_length: lookahead / cheapest,
             slice_count,
-            signature,
+            estimate,
         };
         Ok(if grid.has_room(now) {
             grid
@@ -180,27 +180,27 @@ impl Grid {
     }
 
     /// Returns true if the grid still suits a scene as it is now.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64, signature: &SceneSignature) -> bool {
+    pub(super) fn suits(&self, scene: &Scene, margin: f64, estimate: &SceneEstimate) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
-        let [before, now] = [&self.signature, signature]
-            .map(|signature| Self::number(signature.slices, scene.len()));
+        let [before, now] =
+            [&self.estimate, estimate].map(|estimate| Self::number(estimate.slices, scene.len()));
         let is_alike = now <= FEW * before && before <= FEW * now;
-        let frame = Frame::around(self.signature.middle, margin.abs());
-        is_alike && frame.suits(signature.middle, signature.middle, margin.abs())
+        let frame = Frame::around(self.estimate.middle, margin.abs());
+        is_alike && frame.suits(estimate.middle, estimate.middle, margin.abs())
     }
 
     /// Returns true if it serves a scene about as well as another one that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.slice_count <= 1.5 * other.slice_count
             && other.slice_count <= 1.5 * self.slice_count;
-        let most = other.signature.middle;
+        let most = other.estimate.middle;
         is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
     }
 
     /// Notes that the grid suits the scene as it is now, too.
     pub(super) const fn confirm(&mut self, other: &Self) {
-        self.signature = other.signature;
+        self.estimate = other.estimate;
     }
 
     /// Returns true if it would have far too many boxes for a scene: one that has grown.

@@ -28,7 +28,7 @@ pub(super) struct HalfSpaceSearch {
     /// Slots to be compared again, and the instants up to which they are compared, s.
     taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and where the next one is in this list.
-    changed: Vec<u32>,
+    to_compare: Vec<u32>,
     next: usize,
 }
 
@@ -51,18 +51,18 @@ impl HalfSpaceSearch {
             self.compare_all(if planes.is_empty() { 0 } else { bodies.len() });
             return;
         }
-        self.changed.drain(..self.next);
-        self.changed.extend_from_slice(changed);
-        self.changed.sort_unstable();
-        self.changed.dedup();
+        self.to_compare.drain(..self.next);
+        self.to_compare.extend_from_slice(changed);
+        self.to_compare.sort_unstable();
+        self.to_compare.dedup();
         self.next = 0;
     }
 
     /// Compares all bodies from the clock on.
     fn compare_all(&mut self, slots: usize) {
         self.due = DueTimes::default();
-        self.changed.clear();
-        self.changed.extend((0_u32..).take(slots));
+        self.to_compare.clear();
+        self.to_compare.extend((0_u32..).take(slots));
         self.next = 0;
     }
 
@@ -99,7 +99,7 @@ impl HalfSpaceSearch {
             found,
             most,
         };
-        while let Some(&slot) = self.changed.get(self.next) {
+        while let Some(&slot) = self.to_compare.get(self.next) {
             if meter.is_spent() || filter.gives_up() {
                 return Ok(from);
             }
@@ -108,7 +108,7 @@ impl HalfSpaceSearch {
             self.next += 1;
             meter.count(1);
         }
-        self.changed.clear();
+        self.to_compare.clear();
         self.next = 0;
         let taken = &mut self.taken;
         taken.clear();

@@ -60,7 +60,7 @@ pub(super) struct LookaheadSearch {
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
     search_pool: Pool<search::SearchScratch>,
-    presence: Lifetimes,
+    lifetimes: Lifetimes,
     /// Bodies that changed since the last catching up, each once.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
@@ -99,7 +99,7 @@ impl LookaheadSearch {
             sorter: SpanSorter::default(),
             pool: Pool::default(),
             search_pool: Pool::default(),
-            presence: Lifetimes::default(),
+            lifetimes: Lifetimes::default(),
             changed: Vec::new(),
             is_changed: Vec::new(),
             recent: RecentChanges::default(),

@@ -29,8 +29,8 @@ mod snapshot;
 mod solved_spans;
 mod sorted_slab;
 mod tick;
+mod told_motions;
 mod track;
-mod tracked_motions;
 mod what_if;
 
 pub use alert_level::AlertLevel;
@@ -57,7 +57,7 @@ use read::LevelCaches;
 use recording::Record;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use tracked_motions::TrackedMotions;
+use told_motions::ToldMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events. No event is
 /// lost as long as ticks keep up with the clock.
@@ -156,7 +156,7 @@ pub struct Monitor {
     reschedule: RescheduleTrigger,
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
-    tracked: TrackedMotions,
+    told: ToldMotions,
     readings: LevelCaches,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
@@ -258,7 +258,7 @@ impl Monitor {
             changed_bodies: 0,
             reschedule: RescheduleTrigger::made(scene.len(), now),
             batch: CommandBatch::default(),
-            tracked: TrackedMotions::default(),
+            told: ToldMotions::default(),
             readings: LevelCaches::of_levels(levels.len()),
             interrupt: None,
             #[cfg(feature = "recording")]

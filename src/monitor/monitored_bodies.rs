@@ -78,7 +78,7 @@ impl MonitoredBody {
         Ok(())
     }
 
-    /// Takes a motion that [replaces](Trajectory::replace_as_usual) the last one of the plan, over `window`: it is
+    /// Takes a motion that [replaces](Trajectory::replace_checked) the last one of the plan, over `window`: it is
     /// followed there, without pieces beyond it.
     #[inline]
     pub(super) fn replace(&mut self, trajectory: &Trajectory, last: LastMotion, window: Window) {
@@ -105,7 +105,7 @@ impl MonitoredBody {
         }
     }
 
-    /// Returns true if a motion certainly [replaces](Trajectory::replace_as_usual) the last one at an instant (s), after
+    /// Returns true if a motion certainly [replaces](Trajectory::replace_checked) the last one at an instant (s), after
     /// what ended before another one (s) is dropped, and is followed over `window` then.
     #[inline]
     fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
@@ -343,13 +343,13 @@ impl MonitoredBodies {
         scene: &'s Scene,
         slot: u32,
     ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
-        let (monitored, body) = self.known(scene, slot)?;
+        let (monitored, body) = self.with_body(scene, slot)?;
         Some((monitored, monitored.view(&body.trajectory, body.shape())))
     }
 
     /// Returns the body in a slot, with the facts about its plan.
     #[inline]
-    pub(super) fn known<'s>(
+    pub(super) fn with_body<'s>(
         &'s self,
         scene: &'s Scene,
         slot: u32,

@@ -14,15 +14,15 @@ use crate::window::Window;
 #[derive(Debug)]
 pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,
-    presence: Lifetimes,
+    lifetimes: Lifetimes,
 }
 
 impl<'m> PreparedBodies<'m> {
     /// Lists when all bodies exist, in memory that is given back with [`forget`](Self::forget).
     pub(super) fn of(table: BodyTable<'m>, memory: &mut Lifetimes) -> Self {
-        let mut presence = std::mem::take(memory);
-        presence.fill(table.monitored.lives());
-        Self { table, presence }
+        let mut lifetimes = std::mem::take(memory);
+        lifetimes.fill(table.monitored.lives());
+        Self { table, lifetimes }
     }
 
     /// Lists them, and returns how much moves in a window (s) as well: what is known of the bodies is read once.
@@ -34,12 +34,12 @@ impl<'m> PreparedBodies<'m> {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let mut statistics = SceneStatistics::default();
-        let mut presence = std::mem::take(memory);
+        let mut lifetimes = std::mem::take(memory);
         let (monitored, count) = (table.monitored, table.monitored.len());
         if parallel::threads() > 1 && count > 2 * SHARE {
             let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
             // One list alone is shared; the other one is empty.
-            let lists = (presence.room(count), &mut vec![(); count][..]);
+            let lists = (lifetimes.room(count), &mut vec![(); count][..]);
             parallel::for_each_share(
                 lists,
                 &mut shares,
@@ -57,22 +57,22 @@ impl<'m> PreparedBodies<'m> {
                 statistics.segments += share.segments;
             }
         } else {
-            presence.fill(monitored.present(0..count).map(|body| {
+            lifetimes.fill(monitored.present(0..count).map(|body| {
                 add(&mut statistics, body, window);
                 body.0
             }));
         }
-        (Self { table, presence }, statistics)
+        (Self { table, lifetimes }, statistics)
     }
 
     /// Leaves the memory for other ones.
     pub(super) fn forget(self, memory: &mut Lifetimes) {
-        *memory = self.presence;
+        *memory = self.lifetimes;
     }
 
     /// Returns the number of slots.
     pub(super) const fn len(&self) -> usize {
-        self.presence.len()
+        self.lifetimes.len()
     }
 
     /// Returns a search over some time (s) on so many threads.
@@ -84,7 +84,7 @@ impl<'m> PreparedBodies<'m> {
     ) -> WindowSearch<'s, BodyTable<'m>> {
         WindowSearch {
             bodies: self.table,
-            presence: &self.presence,
+            lifetimes: &self.lifetimes,
             frame: self.table.frame,
             window,
             margin: self.table.margin,
@@ -97,7 +97,7 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns a window (s) in slices of the length that suits the bodies in all of the lookahead.
-    pub(super) fn usual_slices(&self, (from, to): (f64, f64)) -> TimeSlices {
+    pub(super) fn slices_of_search_length(&self, (from, to): (f64, f64)) -> TimeSlices {
         TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).round())
     }
 
@@ -111,7 +111,7 @@ impl<'m> PreparedBodies<'m> {
         let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {
-            presence: &self.presence,
+            lifetimes: &self.lifetimes,
             frame: self.table.frame,
             instructions: InstructionSet::best(),
             pool,
@@ -128,7 +128,7 @@ impl<'m> PreparedBodies<'m> {
     pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
         let bodies = self.table.monitored.cubics();
-        for (&life, cubics) in self.presence.lives().iter().zip(bodies) {
+        for (&life, cubics) in self.lifetimes.lives().iter().zip(bodies) {
             add(&mut statistics, (life, cubics), window);
         }
         statistics

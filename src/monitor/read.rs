@@ -21,7 +21,7 @@ pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) planned: Vec<EncounterCache>,
     /// Pairs to be read.
-    pub(super) changed: Vec<SlotPair>,
+    pub(super) changed_pairs: Vec<SlotPair>,
     /// Memory of two threads.
     pub(super) scratch: [ReadScratch; 2],
 }
@@ -47,7 +47,7 @@ impl LevelCaches {
         Self {
             conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
             planned: (0..count).map(|_| EncounterCache::default()).collect(),
-            changed: Vec::new(),
+            changed_pairs: Vec::new(),
             scratch: Default::default(),
         }
     }
@@ -59,24 +59,24 @@ impl LevelCaches {
 
     /// Takes over what is known of pairs that have not changed, unless it has ended before an
     /// instant, and reads the others.
-    pub(super) fn update(&mut self, source: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
-        let (changed, [scratch, _]) = (&self.changed, &mut self.scratch);
+    pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
+        let (changed, [scratch, _]) = (&self.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
         for ((conflicts, encounters), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);
             encounters.drop_changed(changed, before);
             for &slots in changed {
-                source.always(slots, alert, scratch, conflicts, encounters);
+                context.read_whole(slots, alert, scratch, conflicts, encounters);
             }
-            conflicts.settle();
-            encounters.settle();
+            conflicts.merge_added();
+            encounters.merge_added();
         }
     }
 }
 
 impl ReadContext<'_> {
     /// Reads a pair as if the window were endless, and the clock had not come to it.
-    fn always(
+    fn read_whole(
         &self,
         slots: SlotPair,
         alert: &AlertLevel,
@@ -84,14 +84,14 @@ impl ReadContext<'_> {
         conflicts: &mut ConflictCache,
         encounters: &mut EncounterCache,
     ) {
-        let Some(always) = self.search.domain(self.scene, slots) else {
+        let Some(domain) = self.search.domain(self.scene, slots) else {
             return;
         };
         let contacts = &mut scratch.contacts;
-        self.contacts(slots, alert.margin, always, contacts);
+        self.contacts(slots, alert.margin, domain, contacts);
         for conflict in contacts
             .iter()
-            .filter_map(|one| self.report(slots, always, one))
+            .filter_map(|one| self.report(slots, domain, one))
         {
             conflicts.add(slots, conflict);
         }
@@ -100,7 +100,7 @@ impl ReadContext<'_> {
             known: f64::INFINITY,
             ..TickContext::default()
         };
-        let whole = (always, always.1);
+        let whole = (domain, domain.1);
         self.each_planned(slots, alert, &any_time, whole, scratch, |planned| {
             encounters.add(slots, planned);
         });
@@ -173,19 +173,23 @@ impl ReadContext<'_> {
         } else {
             released.clone_from(contacts);
         }
-        for hold in &*released {
+        for released_contact in &*released {
             // Two margins that are nearly the same are crossed in any order: by rounding.
-            let mut within = contacts
-                .iter()
-                .filter(|contact| contact.enter <= hold.exit && contact.exit >= hold.enter);
+            let mut within = contacts.iter().filter(|contact| {
+                contact.enter <= released_contact.exit && contact.exit >= released_contact.enter
+            });
             let first = within.next();
             let last = within.next_back().or(first);
-            let start = first.map_or(hold.enter, |contact| contact.enter.min(hold.enter));
-            let exit = last.map_or(hold.exit, |contact| contact.exit.max(hold.exit));
-            let Some(closest) = self.report(slots, clip, hold) else {
+            let start = first.map_or(released_contact.enter, |contact| {
+                contact.enter.min(released_contact.enter)
+            });
+            let exit = last.map_or(released_contact.exit, |contact| {
+                contact.exit.max(released_contact.exit)
+            });
+            let Some(closest) = self.report(slots, clip, released_contact) else {
                 continue;
             };
-            let flown = (start, exit.min(tick.reported));
+            let passed_part = (start, exit.min(tick.reported));
             visit(PlannedEncounter {
                 a: closest.a,
                 b: closest.b,
@@ -196,7 +200,7 @@ impl ReadContext<'_> {
                 open: exit >= tick.known && ends > tick.known,
                 with_trajectory: exit >= ends,
                 closest: closest.closest,
-                passed: self.passed_closest(slots, alert.release, flown, passed),
+                passed: self.passed_closest(slots, alert.release, passed_part, passed),
             });
         }
     }
@@ -206,16 +210,16 @@ impl ReadContext<'_> {
         &self,
         slots: SlotPair,
         margin: f64,
-        flown: (f64, f64),
+        part: (f64, f64),
         scratch: &mut Vec<Contact>,
     ) -> Option<ClosestApproach> {
-        if flown.0 > flown.1 {
+        if part.0 > part.1 {
             return None;
         }
-        self.contacts(slots, margin, flown, scratch);
+        self.contacts(slots, margin, part, scratch);
         let conflicts = scratch
             .iter()
-            .filter_map(|contact| self.report(slots, flown, contact));
+            .filter_map(|contact| self.report(slots, part, contact));
         conflicts
             .map(|conflict| conflict.closest)
             .reduce(|x, y| if y.separation < x.separation { y } else { x })

@@ -20,9 +20,9 @@ pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
     spans: SortedSlab<SpanKey, SolvedSpan>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
-    /// [taken](Self::take_changed). (Not those of which something has passed: that changes nothing
+    /// [taken](Self::take_changed_pairs). (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
-    changed: Vec<SlotPair>,
+    changed_pairs: Vec<SlotPair>,
     /// Spans of turning bodies of which only a part is solved, and the end of that part, s.
     begun: BTreeMap<SpanKey, f64>,
 }
@@ -35,7 +35,7 @@ impl SolvedSpans {
 
     /// Forgets all that concerns some pairs.
     pub(super) fn forget(&mut self, is_gone: impl Fn(SlotPair) -> bool) {
-        let changed = &mut self.changed;
+        let changed = &mut self.changed_pairs;
         self.spans.retain(|find, _| {
             let is_gone = is_gone(pair_of(&find.key));
             if is_gone {
@@ -95,21 +95,21 @@ impl SolvedSpans {
                 self.begun.remove(&key);
             }
             if added > before {
-                self.changed.push(pair_of(&key));
+                self.changed_pairs.push(pair_of(&key));
             }
             if added > room {
-                self.spans.settle();
+                self.spans.merge_added();
                 return Err(LimitExceeded);
             }
         }
-        self.spans.settle();
+        self.spans.merge_added();
         Ok(count)
     }
 
     /// Puts the pairs that have changed into `changed`, sorted, each once; replaces what it held.
-    pub(super) fn take_changed(&mut self, changed: &mut Vec<SlotPair>) {
+    pub(super) fn take_changed_pairs(&mut self, changed: &mut Vec<SlotPair>) {
         changed.clear();
-        std::mem::swap(&mut self.changed, changed);
+        std::mem::swap(&mut self.changed_pairs, changed);
         changed.sort_unstable();
         changed.dedup();
     }

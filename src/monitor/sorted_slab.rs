@@ -18,7 +18,7 @@ pub(super) struct IndexEntry<K> {
 pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
     entries: Vec<IndexEntry<K>>,
-    /// Entries added since the last settling.
+    /// Entries added since they were last [merged](SortedSlab::merge_added).
     added: Vec<IndexEntry<K>>,
     merged: Vec<IndexEntry<K>>,
     values: Vec<V>,
@@ -89,7 +89,7 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         });
     }
 
-    /// Adds a value. It is among the entries when all [have settled](Self::settle): until then, keys
+    /// Adds a value. It is among the entries after the next [merge](Self::merge_added): until then, keys
     /// come in ascending order, or each once.
     pub(super) fn add(&mut self, key: K, interval: (f64, f64), value: V) {
         let place = if let Some(place) = self.free.pop() {
@@ -107,7 +107,7 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
     }
 
     /// Sorts the added values into the entries.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn merge_added(&mut self) {
         if self.added.is_empty() {
             return;
         }
@@ -148,7 +148,7 @@ mod tests {
                 kept.add(key, (0.0, 0.0), value);
                 plain.push((key, value));
             }
-            kept.settle();
+            kept.merge_added();
             plain.sort_by_key(|(key, _)| *key);
             let entries = kept.entries().iter();
             let found: Vec<_> = entries.map(|one| (one.key, *kept.at(one.place))).collect();

@@ -267,12 +267,14 @@ pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.search.solved.take_changed(&mut self.readings.changed);
-        let source = ReadContext {
+        self.search
+            .solved
+            .take_changed_pairs(&mut self.readings.changed_pairs);
+        let context = ReadContext {
             search: &self.search,
             scene: &self.scene,
         };
-        self.readings.update(source, &self.levels, self.reported);
+        self.readings.update(context, &self.levels, self.reported);
     }
 
     /// Reads the conflicts from now to the end of the known time, and the planned encounters from the last
@@ -280,7 +282,7 @@ impl Monitor {
     pub(super) fn read(&mut self, tick: &TickContext, next_id: &mut u64, events: &mut Vec<Event>) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
-        let source = ReadContext {
+        let context = ReadContext {
             search: &self.search,
             scene: &self.scene,
         };
@@ -298,7 +300,7 @@ impl Monitor {
                     let window = (tick.now, tick.known);
                     let clipped = |pair, lasts, found: &mut Vec<Conflict>| {
                         let period = (lasts, window);
-                        source.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
+                        context.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
                     };
                     conflicts.list(window, clipped, reported);
                 }
@@ -318,7 +320,7 @@ impl Monitor {
                         tracker.wait_for_all();
                     }
                     planned.list(edges, tracker.waiting(), |pair, found| {
-                        source.planned(pair, alert, tick, other_scratch, found);
+                        context.planned(pair, alert, tick, other_scratch, found);
                     });
                     tracker.update(planned.listed(), tick, next_id, events);
                 }

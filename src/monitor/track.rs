@@ -4,10 +4,10 @@ use super::Monitor;
 use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::tracked_motions::{TrackedChange, TrackedMotions, TrackedPlan};
+use super::told_motions::{ToldChange, ToldMotions, ToldPlan};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
-use crate::orientation::TrackedSpin;
+use crate::orientation::ToldSpin;
 use crate::parallel;
 use crate::scene::BodyState;
 use crate::simd::prefetch;
@@ -82,11 +82,11 @@ impl Monitor {
         if now.is_nan() || now.abs() > MAX_MAGNITUDE {
             return Err(Error::Clock { time: now });
         }
-        let mut tracked = std::mem::take(&mut self.tracked);
-        tracked.clear();
-        let listed = self.list_changes(now, states, &mut tracked);
-        let done = listed.and_then(|()| self.take_changes(now, &mut tracked));
-        self.tracked = tracked;
+        let mut told = std::mem::take(&mut self.told);
+        told.clear();
+        let listed = self.list_changes(now, states, &mut told);
+        let done = listed.and_then(|()| self.take_changes(now, &mut told));
+        self.told = told;
         done
     }
 
@@ -95,7 +95,7 @@ impl Monitor {
         &self,
         now: f64,
         states: impl Iterator<Item = (BodyId, BodyState)>,
-        tracked: &mut TrackedMotions,
+        told: &mut ToldMotions,
     ) -> Result<(), Error> {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 64;
@@ -105,10 +105,10 @@ impl Monitor {
             if let Some(motion) = state.ordinary_motion()
                 && is_known
             {
-                tracked.put((id, motion), None);
+                told.put((id, motion), None);
                 continue;
             }
-            let taken = self.list_motion(id, state, tracked);
+            let taken = self.list_motion(id, state, told);
             if taken.is_err() {
                 // One before it may be refused as well.
                 refused = taken;
@@ -116,22 +116,22 @@ impl Monitor {
             }
         }
         let context = self.change_context()?;
-        if !self.find_usual(now, tracked, &context) {
-            tracked.list_others();
+        if !self.find_in_place(now, told, &context) {
+            told.list_others();
         }
-        let others = &mut tracked.others;
+        let others = &mut told.others;
         let few = (others.len(), CommandBatch::FEW);
         parallel::for_each_chunk(others, CHUNK, few, |_, some| {
             for other in some {
                 if let Err(error) = self.work_out_change(now, other, &context) {
-                    other.plan = TrackedPlan::Refused(Box::new(error.with_id(other.id)));
+                    other.plan = ToldPlan::Refused(Box::new(error.with_id(other.id)));
                 }
             }
         });
-        let is_refused = |one: &&mut TrackedChange| matches!(one.plan, TrackedPlan::Refused(_));
+        let is_refused = |one: &&mut ToldChange| matches!(one.plan, ToldPlan::Refused(_));
         let first = others.iter_mut().find(is_refused);
-        match first.map(|one| std::mem::replace(&mut one.plan, TrackedPlan::Same)) {
-            Some(TrackedPlan::Refused(error)) => Err(*error),
+        match first.map(|one| std::mem::replace(&mut one.plan, ToldPlan::Same)) {
+            Some(ToldPlan::Refused(error)) => Err(*error),
             _ => refused,
         }
     }
@@ -142,7 +142,7 @@ impl Monitor {
         &self,
         id: BodyId,
         state: BodyState,
-        tracked: &mut TrackedMotions,
+        told: &mut ToldMotions,
     ) -> Result<(), Error> {
         let in_body = |error: Error| {
             let body = self.scene.body(id);
@@ -154,34 +154,29 @@ impl Monitor {
             return Err(Error::UnknownBody { id });
         }
         let motion = state.motion().map_err(in_body)?;
-        let spin = state.tracked_spin().map_err(in_body)?;
+        let spin = state.told_spin().map_err(in_body)?;
         let body = self.scene.body(id).filter(|_| spin.is_some());
         if body.is_some_and(|body| body.hitbox.is_half_space()) {
             return Err(in_body(Error::TurningHalfSpace));
         }
-        tracked.put((id, motion), spin);
+        told.put((id, motion), spin);
         Ok(())
     }
 
     /// Notes which motions are replaced in place; returns true if all are.
-    fn find_usual(
-        &self,
-        now: f64,
-        tracked: &mut TrackedMotions,
-        context: &ChangeContext<'_>,
-    ) -> bool {
+    fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) -> bool {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
-        let few = (tracked.ids.len(), CommandBatch::FEW);
+        let few = (told.ids.len(), CommandBatch::FEW);
         let times = (now, context.forget_before);
-        let is_usual = AtomicBool::new(true);
+        let are_in_place = AtomicBool::new(true);
         let monitored = &self.search.monitored;
-        let TrackedMotions {
+        let ToldMotions {
             ids,
             motions,
             in_place,
             ..
-        } = tracked;
+        } = told;
         in_place.resize(ids.len(), false);
         parallel::for_each_chunk(in_place, CHUNK, few, |number, some| {
             let first = number * CHUNK;
@@ -194,52 +189,52 @@ impl Monitor {
                 *is_replaced = self.scene.has(id)
                     && monitored.is_replaced(id.slot, motion, times, context.window);
             }
-            is_usual.fetch_and(
+            are_in_place.fetch_and(
                 some.iter().all(|is_replaced| *is_replaced),
                 Ordering::Relaxed,
             );
         });
-        is_usual.into_inner()
+        are_in_place.into_inner()
     }
 
     /// Finds the change of a body that is told a motion at an instant (s).
     fn work_out_change(
         &self,
         now: f64,
-        change: &mut TrackedChange,
+        change: &mut ToldChange,
         context: &ChangeContext<'_>,
     ) -> Result<(), Error> {
         let id = change.id;
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let (flown, motion) = (&body.trajectory, change.motion);
+        let (old, motion) = (&body.trajectory, change.motion);
         let in_body = |error: Error| error.in_body(body.tag);
         let plan = || Trajectory::of_straight(motion);
-        let from = context.follows_from(flown, &plan(), now);
+        let from = context.follows_from(old, &plan(), now);
         let from = from.map_err(in_body)?;
-        change.plan = if flown.follows(&motion, from) {
-            TrackedPlan::Same
-        } else if flown.can_replace(from, &motion, context.window) {
-            TrackedPlan::InPlace(from)
+        change.plan = if old.follows(&motion, from) {
+            ToldPlan::Same
+        } else if old.can_replace(from, &motion, context.window) {
+            ToldPlan::InPlace(from)
         } else {
             let mut plan = plan();
-            let done = plan.precede_by(flown, from, context.forget_before);
+            let done = plan.precede_by(old, from, context.forget_before);
             done.map_err(in_body)?;
             let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
-            TrackedPlan::Replan(Box::new((plan, monitored)))
+            ToldPlan::Replan(Box::new((plan, monitored)))
         };
         Ok(())
     }
 
     /// Lets all take effect. Nothing is refused.
-    fn take_changes(&mut self, now: f64, tracked: &mut TrackedMotions) -> Result<(), Error> {
-        self.replace_in_place(now, tracked)?;
+    fn take_changes(&mut self, now: f64, told: &mut ToldMotions) -> Result<(), Error> {
+        self.replace_in_place(now, told)?;
         let since = self.change_context()?.forget_before;
-        for change in tracked.others.drain(..) {
+        for change in told.others.drain(..) {
             let id = change.id;
             match change.plan {
-                TrackedPlan::Same | TrackedPlan::Refused(_) => {}
-                TrackedPlan::InPlace(from) => self.replace_motion(id, (from, &change.motion))?,
-                TrackedPlan::Replan(replanned) => {
+                ToldPlan::Same | ToldPlan::Refused(_) => {}
+                ToldPlan::InPlace(from) => self.replace_motion(id, (from, &change.motion))?,
+                ToldPlan::Replan(replanned) => {
                     let (mut plan, monitored) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
                     self.register(id, Some(monitored));
@@ -248,19 +243,19 @@ impl Monitor {
             }
         }
         // Last: what a body takes with another plan was worked out for the old shape.
-        for (number, (place, spin)) in tracked.spins.iter().enumerate() {
-            self.prefetch_turning(tracked, number);
-            self.take_spin(tracked.ids[*place], spin, (now, since))?;
+        for (number, (place, spin)) in told.spins.iter().enumerate() {
+            self.prefetch_turning(told, number);
+            self.take_spin(told.ids[*place], spin, (now, since))?;
         }
         Ok(())
     }
 
     /// Prefetches orientations that are changed later.
-    fn prefetch_turning(&self, tracked: &TrackedMotions, number: usize) {
+    fn prefetch_turning(&self, told: &ToldMotions, number: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let later = |ahead: usize| {
-            let (place, _) = tracked.spins.get(number + ahead)?;
-            let (_, entry) = self.scene.in_slot(tracked.ids[*place].slot)?;
+            let (place, _) = told.spins.get(number + ahead)?;
+            let (_, entry) = self.scene.in_slot(told.ids[*place].slot)?;
             entry.body.orientation.turning()
         };
         if let Some(turning) = later(2 * AHEAD) {
@@ -275,7 +270,7 @@ impl Monitor {
     fn take_spin(
         &mut self,
         id: BodyId,
-        spin: &TrackedSpin,
+        spin: &ToldSpin,
         (from, since): (f64, f64),
     ) -> Result<(), Error> {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
@@ -295,51 +290,46 @@ impl Monitor {
     }
 
     /// Replaces the motions that can be replaced in place.
-    fn replace_in_place(&mut self, now: f64, tracked: &TrackedMotions) -> Result<(), Error> {
+    fn replace_in_place(&mut self, now: f64, told: &ToldMotions) -> Result<(), Error> {
         let context = self.change_context()?;
         let (window, since) = (context.window, context.forget_before);
-        if parallel::threads() > 1 && 2 * tracked.ids.len() > self.scene.slots() {
-            self.share_replacements((now, since), window, tracked);
+        if parallel::threads() > 1 && 2 * told.ids.len() > self.scene.slots() {
+            self.share_replacements((now, since), window, told);
         } else {
-            self.replace_each((now, since), window, tracked);
+            self.replace_each((now, since), window, told);
         }
-        let count = self.search.forget_all(tracked.slots_in_place());
+        let count = self.search.forget_all(told.slots_in_place());
         self.count_changes(count);
         Ok(())
     }
 
     /// Replaces them in the order in which they were told.
-    fn replace_each(&mut self, (now, since): (f64, f64), window: Window, tracked: &TrackedMotions) {
+    fn replace_each(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
-        for (place, is_replaced) in tracked.in_place.iter().enumerate() {
+        for (place, is_replaced) in told.in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
-            if let Some(later) = tracked.ids.get(place + 2 * AHEAD) {
+            if let Some(later) = told.ids.get(place + 2 * AHEAD) {
                 slots[later.slot as usize].prefetch_first();
                 monitored.prefetch_plan(later.slot);
             }
-            if let Some(later) = tracked.ids.get(place + AHEAD) {
+            if let Some(later) = told.ids.get(place + AHEAD) {
                 slots[later.slot as usize].prefetch_motion();
             }
             if !is_replaced {
                 continue;
             }
-            let slot = tracked.ids[place].slot;
-            let flown = &mut slots[slot as usize];
-            let motion = &tracked.motions[place];
-            if let Some((flown, last)) = flown.replace_as_usual((now, motion, since)) {
-                monitored.replace(slot, flown, last, window);
+            let slot = told.ids[place].slot;
+            let body = &mut slots[slot as usize];
+            let motion = &told.motions[place];
+            if let Some((trajectory, last)) = body.replace_checked((now, motion, since)) {
+                monitored.replace(slot, trajectory, last, window);
             }
         }
     }
 
     /// Replaces them on several threads.
-    fn share_replacements(
-        &mut self,
-        (now, since): (f64, f64),
-        window: Window,
-        tracked: &TrackedMotions,
-    ) {
+    fn share_replacements(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let slots = self.scene.slots_mut();
@@ -352,12 +342,13 @@ impl Monitor {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
                 }
-                let motion = tracked.in_place(share * SHARE + place);
+                let motion = told.in_place(share * SHARE + place);
                 let (Some(motion), Some(monitored)) = (motion, monitored) else {
                     continue;
                 };
-                if let Some((flown, last)) = slots[place].replace_as_usual((now, motion, since)) {
-                    monitored.replace(flown, last, window);
+                if let Some((trajectory, last)) = slots[place].replace_checked((now, motion, since))
+                {
+                    monitored.replace(trajectory, last, window);
                     *end = end.min(monitored.until());
                 }
             }

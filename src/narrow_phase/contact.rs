@@ -5,7 +5,7 @@ use super::half_space::{self, may_touch_plane};
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::{DistanceProfile, Known, NEVER};
+use super::stretches::{DistanceProfile, FoundContact, NOTHING_FOUND};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
@@ -135,7 +135,7 @@ pub(crate) fn contacts(
     for span in spans {
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, (clip, NEVER), found);
+            solved_contacts(&pair, span, margin, (clip, NOTHING_FOUND), found);
         } else {
             contacts_of_many(a, b, span, margin, clip, found);
         }
@@ -149,7 +149,7 @@ fn solved_contacts(
     pair: &SpherePair,
     span: Span,
     margin: f64,
-    clip_and_known: ((f64, f64), Known),
+    clip_and_known: ((f64, f64), FoundContact),
     found: &mut Vec<Contact>,
 ) {
     if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
@@ -159,7 +159,7 @@ fn solved_contacts(
 
 /// Returns what is known of a contact, its interval (s) and separation (m), with what more contacts add to it; or
 /// the last one of them that does not touch it.
-fn with_more(known: Known, more: &[Contact]) -> Known {
+fn with_more(known: FoundContact, more: &[Contact]) -> FoundContact {
     more.iter().fold(known, |((from, to), least), contact| {
         let (interval, separation) = ((contact.enter, contact.exit), contact.closest.separation);
         if interval.0 <= to && interval.1 >= from {
@@ -182,7 +182,7 @@ fn contacts_of_many(
     found: &mut Vec<Contact>,
 ) {
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        let mut known = NEVER;
+        let mut known = NOTHING_FOUND;
         turning.each_within(margin, clip, |pair, part| {
             let count = found.len();
             solved_contacts(pair, part, margin, (clip, known), found);
@@ -192,7 +192,7 @@ fn contacts_of_many(
     }
     ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
         let count = found.len();
-        solved_contacts(pair, span, margin, (clip, NEVER), found);
+        solved_contacts(pair, span, margin, (clip, NOTHING_FOUND), found);
         if let Some(shown) = shown {
             shown.extend(found[count..].iter().map(|contact| ProvenContact {
                 enter: contact.enter,
@@ -212,7 +212,7 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    let mut known = NEVER;
+    let mut known = NOTHING_FOUND;
     for SolvedSpan {
         span,
         pair,
@@ -271,7 +271,7 @@ pub(crate) fn closest_approach(
             least_so_far,
             |pair, span| nearest.push(pair, span, (from, to)),
         );
-        nearest.settle();
+        nearest.end_span();
     }
     nearest.closest
 }
@@ -330,7 +330,7 @@ impl ClosestSearch {
     }
 
     /// Ends a span. Ties are broken by sphere numbers, not by the order of solving.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn end_span(&mut self) {
         self.found.sort_by(|x, y| {
             let spheres = (x.sphere_a, x.sphere_b).cmp(&(y.sphere_a, y.sphere_b));
             spheres.then(x.span.start.total_cmp(&y.span.start))

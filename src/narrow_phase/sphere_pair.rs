@@ -2,7 +2,7 @@
 
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, local_scale, rejection_threshold};
-use super::stretches::{DistanceProfile, Known, ProfilePoint};
+use super::stretches::{DistanceProfile, FoundContact, ProfilePoint};
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
 use crate::rounding::{CLEARANCE, UNIT_ROUNDOFF};
@@ -118,7 +118,7 @@ impl SpherePair {
         profile: &DistanceProfile,
         span: Span,
         margin: f64,
-        (clip, (known, separation)): ((f64, f64), Known),
+        (clip, (known, separation)): ((f64, f64), FoundContact),
         found: &mut Vec<Contact>,
     ) {
         let radius = self.radius(margin);

@@ -217,7 +217,7 @@ impl DistanceProfile {
         &self,
         cubic: &RelativeCubic,
         radius: f64,
-        ((from, to), (known, nearest)): ((f64, f64), Known),
+        ((from, to), (known, nearest)): ((f64, f64), FoundContact),
         mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
@@ -244,7 +244,11 @@ impl DistanceProfile {
             }
             let least = nodes[first..=last].iter().map(|node| node.distance);
             let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
-            let known = if least > nearest { known } else { NEVER.0 };
+            let known = if least > nearest {
+                known
+            } else {
+                NOTHING_FOUND.0
+            };
             let end = |nodes| end_of_stretch(cubic, radius, nodes, known);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
@@ -280,10 +284,10 @@ impl ProfilePoint {
 }
 
 /// An interval (s), and a distance (m).
-pub(super) type Known = ((f64, f64), f64);
+pub(super) type FoundContact = ((f64, f64), f64);
 
 /// An interval in which nothing lies.
-pub(super) const NEVER: Known = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
+pub(super) const NOTHING_FOUND: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
 
 /// Returns the end of a stretch between two nodes: the [crossing], or the instant of the node inside if the
 /// crossing, and all from there to that node, certainly lies in an interval (s).
@@ -422,7 +426,7 @@ mod tests {
                     near = [near.next_up(), near.next_down()][rng.random_range(0..2)];
                 }
                 near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
-                for known in [(near, cubic.end), (cubic.start, near), NEVER.0] {
+                for known in [(near, cubic.end), (cubic.start, near), NOTHING_FOUND.0] {
                     let found = end_of_stretch(&cubic, radius, nodes, known);
                     let covers = |time: f64| known.0 <= time && time <= known.1;
                     let is_found = found.total_cmp(&at).is_eq();

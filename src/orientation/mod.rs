@@ -13,11 +13,11 @@ mod serial;
 mod source;
 #[cfg(test)]
 mod tests;
-mod tracked_spin;
+mod told_spin;
 mod turning;
 
 pub(crate) use baked::BakedRotation;
-pub(crate) use tracked_spin::TrackedSpin;
+pub(crate) use told_spin::ToldSpin;
 pub(crate) use turning::{Turning, TurningCell};
 
 use crate::error::Error;

@@ -4,7 +4,7 @@ use super::{Body, Scene};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
-use crate::orientation::{Orientation, TrackedSpin};
+use crate::orientation::{Orientation, ToldSpin};
 use crate::trajectory::Trajectory;
 
 /// The motion of a body from some time on: a trajectory, and an orientation where that changes.
@@ -127,7 +127,7 @@ impl Scene {
     pub(crate) fn follow_spin(
         &mut self,
         id: BodyId,
-        spin: &TrackedSpin,
+        spin: &ToldSpin,
         (from, since): (f64, f64),
     ) -> Result<bool, Error> {
         let (entry, _) = self.entry_mut(id)?;

@@ -191,14 +191,14 @@ impl SceneEntry {
         &self.body.trajectory
     }
 
-    /// Replaces a motion that is [replaced as usual](Trajectory::replace_as_usual). A trajectory of
+    /// Replaces a motion that is [replaced as usual](Trajectory::replace_checked). A trajectory of
     /// straight motions has no summary that could be out of date.
     #[inline]
-    pub(super) fn replace_as_usual(
+    pub(super) fn replace_checked(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> (&Trajectory, LastMotion) {
-        let last = self.body.trajectory.replace_as_usual(from, motion, since);
+        let last = self.body.trajectory.replace_checked(from, motion, since);
         (&self.body.trajectory, last)
     }
 

@@ -19,14 +19,14 @@ pub(super) struct SlotKey {
 }
 
 impl Slot {
-    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_as_usual).
+    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_checked).
     #[inline]
-    pub(crate) fn replace_as_usual(
+    pub(crate) fn replace_checked(
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Option<(&Trajectory, LastMotion)> {
         let entry = self.entry.as_mut()?;
-        Some(entry.replace_as_usual((from, motion, since)))
+        Some(entry.replace_checked((from, motion, since)))
     }
 
     /// Prefetches the first cache line of the record: the motion begins there.

@@ -3,7 +3,7 @@
 use super::{Body, Scene};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::{Orientation, TrackedSpin};
+use crate::orientation::{Orientation, ToldSpin};
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -82,11 +82,11 @@ impl BodyState {
     /// # Errors
     ///
     /// As [`Orientation::spin`].
-    pub(crate) fn tracked_spin(&self) -> Result<Option<TrackedSpin>, Error> {
+    pub(crate) fn told_spin(&self) -> Result<Option<ToldSpin>, Error> {
         let time = self.state.time;
         let spin = self
             .spin
-            .map(|spin| TrackedSpin::new(time, spin.rotation, spin.angular_velocity));
+            .map(|spin| ToldSpin::new(time, spin.rotation, spin.angular_velocity));
         spin.transpose()
     }
 

@@ -260,7 +260,7 @@ impl PreparedScene<'_> {
             return slices.with_count(f64::from(count.get()));
         }
         let trials = SliceTrials {
-            presence: &self.presence,
+            lifetimes: &self.lifetimes,
             frame: &self.frame,
             instructions: self.instructions,
             pool: self.pool,
@@ -347,7 +347,7 @@ impl PreparedScene<'_> {
     ) -> Result<(), Error> {
         let search = WindowSearch {
             bodies: *bodies,
-            presence: &self.presence,
+            lifetimes: &self.lifetimes,
             frame: &self.frame,
             window: self.window,
             margin: self.margin,

@@ -34,7 +34,7 @@ pub(super) type SourceList<'a> = Vec<CubicSource<'a, CompactCubic>>;
 pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) entries: Vec<&'a SceneEntry>,
-    pub(super) presence: Lifetimes,
+    pub(super) lifetimes: Lifetimes,
     /// Extensions beyond the knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
     /// Window of the answer.
@@ -84,7 +84,7 @@ impl<'a> PreparedScene<'a> {
         let mut prepared = Self {
             ids,
             entries,
-            presence: Lifetimes::default(),
+            lifetimes: Lifetimes::default(),
             extensions,
             asked,
             window: asked,
@@ -104,7 +104,7 @@ impl<'a> PreparedScene<'a> {
         match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
                 prepared.window = window;
-                prepared.presence = Lifetimes::of(std::mem::take(&mut prepared.survey.lives));
+                prepared.lifetimes = Lifetimes::of(std::mem::take(&mut prepared.survey.lives));
             }
             None => {
                 prepared.ids.clear();

@@ -141,7 +141,7 @@ impl Trial {
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
     /// Lifetimes of all bodies.
-    pub(crate) presence: &'a Lifetimes,
+    pub(crate) lifetimes: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) instructions: InstructionSet,
     pub(crate) pool: &'a Pool<SearchScratch>,
@@ -163,7 +163,7 @@ impl SliceTrials<'_> {
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
         let window = slices.window();
-        let bodies = self.presence.len();
+        let bodies = self.lifetimes.len();
         if bodies == 0 {
             return slices;
         }
@@ -177,14 +177,14 @@ impl SliceTrials<'_> {
             return slices;
         }
         let sampled = sources(&sample);
-        let presence = self.presence.of_some(&sample);
+        let lifetimes = self.lifetimes.of_some(&sample);
         let whole = bodies as f64 / sample.len() as f64;
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices.
         let mut crowded: Option<(f64, TimeSlices)> = None;
         for _ in 0..MAX_TRIALS {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
-            let trial = self.trial(&presence, &sampled, &slices, whole, cubics);
+            let trial = self.trial(&lifetimes, &sampled, &slices, whole, cubics);
             let most = statistics.most_slices(window).min(spans / trial.near);
             let count = f64::from(slices.count());
             let cost = trial.cost(1.0, &Growth::ASSUMED) * count;
@@ -226,7 +226,7 @@ impl SliceTrials<'_> {
     /// Returns the counts in a few slices of one length, scaled from the sample to all bodies.
     fn trial<C: BoundingCubic>(
         &self,
-        presence: &Lifetimes,
+        lifetimes: &Lifetimes,
         sources: &[CubicSource<'_, C>],
         slices: &TimeSlices,
         whole: f64,
@@ -248,7 +248,7 @@ impl SliceTrials<'_> {
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
-            presence.list(slices.interval(first), present);
+            lifetimes.list(slices.interval(first), present);
             slices.ends(first..first + 1, ends);
             self.instructions.run(FormBounds {
                 block: &mut *block,

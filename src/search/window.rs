@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 #[derive(Debug)]
 pub(crate) struct WindowSearch<'a, B> {
     pub(crate) bodies: B,
-    pub(crate) presence: &'a Lifetimes,
+    pub(crate) lifetimes: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) window: Window,
     pub(crate) margin: f64,
@@ -50,7 +50,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
-        let bodies = self.presence.len();
+        let bodies = self.lifetimes.len();
         let blocks = SliceBlocks::of(slices, statistics, (bodies, self.threads));
         let done_blocks = AtomicU32::new(0);
         let is_exceeded = AtomicBool::new(false);
@@ -72,10 +72,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let mut own = self.pool.take();
         let mut first = 0;
         while first < blocks.count {
-            let round = blocks.round.min(blocks.count - first);
+            let blocks_per_merge = blocks.blocks_per_merge.min(blocks.count - first);
             if blocks.is_shared {
                 let take = || self.pool.take();
-                let numbers: Vec<u32> = (first..first + round).collect();
+                let numbers: Vec<u32> = (first..first + blocks_per_merge).collect();
                 let results = parallel::map(numbers.len(), take, |scratch, place| {
                     let counted = search(scratch, numbers[place])?;
                     Ok((scratch.found.clone(), counted))
@@ -86,7 +86,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                     *stats += counted;
                 }
             } else {
-                for block in first..first + round {
+                for block in first..first + blocks_per_merge {
                     *stats += search(&mut own, block)?;
                     found.extend_from_slice(&own.found);
                 }
@@ -95,7 +95,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             own.sorter.sort_and_dedup(found, bodies);
             self.limits.check(found.len())?;
             stats.narrow_time += begin.elapsed();
-            first += round;
+            first += blocks_per_merge;
         }
         Ok(())
     }
@@ -112,7 +112,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let begin = Instant::now();
         let mut ends = std::mem::take(&mut scratch.ends);
         slices.ends(range.clone(), &mut ends);
-        self.presence
+        self.lifetimes
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the rest can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
@@ -126,10 +126,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let mut number = range.start;
         let mut crowded = Vec::new();
         let count = range.len();
-        for run in block.slices[..count].chunks(slices_in_a_run(&block, count)) {
+        for batch in block.slices[..count].chunks(slices_per_batch(&block, count)) {
             candidates.clear();
             counts.clear();
-            for slice in run {
+            for slice in batch {
                 let first = candidates.len();
                 let room = self.limits.candidates_of_slice(slice.boxes.len());
                 let methods = &mut scratch.methods;
@@ -141,7 +141,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             }
             let found = Instant::now();
             let mut rest = &candidates[..];
-            for (slice, &count) in run.iter().zip(&counts) {
+            for (slice, &count) in batch.iter().zip(&counts) {
                 let (these, others) = rest.split_at(count);
                 stats.spans +=
                     self.refine(slice, (slices.interval(number), these), filter, scratch)?;
@@ -162,7 +162,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let begin = Instant::now();
         if scratch.found.len() > FEW_FOUND {
             let SearchScratch { sorter, found, .. } = scratch;
-            sorter.sort_and_dedup(found, self.presence.len());
+            sorter.sort_and_dedup(found, self.lifetimes.len());
         }
         stats.narrow_time += begin.elapsed();
         Ok(stats)
@@ -214,7 +214,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         }
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
-            sorter.sort_and_dedup(found, self.presence.len());
+            sorter.sort_and_dedup(found, self.lifetimes.len());
             self.limits.check(found.len())?;
         }
         Ok(looked_at)
@@ -237,7 +237,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let ends = slice
             .bodies
             .iter()
-            .map(|&body| self.presence.lives()[body as usize]);
+            .map(|&body| self.lifetimes.lives()[body as usize]);
         let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |hull, (first, last)| {
             (hull.0.min(first), hull.1.max(last))
         });
@@ -336,7 +336,7 @@ impl Size {
 
 /// Returns the number of a block's slices that are compared before their candidates are refined: as
 /// many as have few boxes. Reading the clock takes as long as a few boxes.
-fn slices_in_a_run(block: &SliceBlock, count: usize) -> usize {
+fn slices_per_batch(block: &SliceBlock, count: usize) -> usize {
     const BOXES: usize = 1024;
     let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
     (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
@@ -347,7 +347,7 @@ struct SliceBlocks {
     slices: u32,
     count: u32,
     /// Blocks after which results are merged, so that a long span is kept once.
-    round: u32,
+    blocks_per_merge: u32,
     /// True if several threads share the blocks.
     is_shared: bool,
 }
@@ -363,8 +363,8 @@ impl SliceBlocks {
     const CACHED_BOXES: f64 = 512.0;
     /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
     const MAX_BOXES: usize = 1 << 20;
-    /// Approximate largest number of boxes in a round.
-    const ROUND_BOXES: usize = 1 << 24;
+    /// Approximate largest number of boxes of the blocks of a merge.
+    const MERGE_BOXES: usize = 1 << 24;
 
     #[allow(
         clippy::cast_possible_truncation,
@@ -391,11 +391,11 @@ impl SliceBlocks {
         } else {
             1
         };
-        let round = Self::ROUND_BOXES / (most * bodies.max(1));
+        let blocks_per_merge = Self::MERGE_BOXES / (most * bodies.max(1));
         Self {
             slices,
             count: count.max(fewest).min(slices),
-            round: u32::try_from(round).unwrap_or(u32::MAX).max(16),
+            blocks_per_merge: u32::try_from(blocks_per_merge).unwrap_or(u32::MAX).max(16),
             is_shared,
         }
     }

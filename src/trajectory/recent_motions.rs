@@ -108,7 +108,7 @@ impl RecentMotions {
     /// Replaces the motion where the [last one](LastMotion::is_replaced_by) says so: there is room, and the motion so
     /// far goes on in one piece.
     #[inline]
-    pub(super) fn replace_as_usual(
+    pub(super) fn replace_checked(
         &mut self,
         from: f64,
         motion: &StraightMotion,
@@ -252,7 +252,7 @@ impl LastMotion {
         start: 0.0,
     };
 
-    /// Returns true if a motion certainly [replaces](super::Trajectory::replace_as_usual) the last one at `from` (s),
+    /// Returns true if a motion certainly [replaces](super::Trajectory::replace_checked) the last one at `from` (s),
     /// after what ended before `since` (s) is dropped. There is room, and the last motion goes on in one piece from
     /// its knot to `from`. The new motion differs from it, and its first piece lasts for all of `window`. `ends`: the
     /// first and the last [cut](super::Trajectory::cuts), s.

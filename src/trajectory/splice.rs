@@ -1,4 +1,4 @@
-//! Changes of a plan in flight: the part already flown stays, bit for bit.
+//! Changes of a plan in flight: the part already old stays, bit for bit.
 
 use super::cuts::DoublingCuts;
 use super::recent_motions::{LastMotion, RecentMotions};
@@ -78,28 +78,28 @@ impl Trajectory {
         self
     }
 
-    /// Prepends `flown` up to `from` (s) to this plan, in place. Only the part of `flown` that
+    /// Prepends `old` up to `from` (s) to this plan, in place. Only the part of `old` that
     /// [`trimmed_before`](Self::trimmed_before) keeps at `since` is copied.
     ///
     /// # Errors
     ///
     /// As [`spliced`](Self::spliced). On error nothing is changed.
-    pub(crate) fn precede_by(&mut self, flown: &Self, from: f64, since: f64) -> Result<(), Error> {
+    pub(crate) fn precede_by(&mut self, old: &Self, from: f64, since: f64) -> Result<(), Error> {
         let from = one_zero(from);
-        if !flown.domain().contains(from) || !self.goes_on_from(from) {
+        if !old.domain().contains(from) || !self.goes_on_from(from) {
             return Err(Error::NoPlanAt { time: from });
         }
         let knots_before = count_at_front(self.knots(), |knot| knot <= from);
         // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
         // end motion, which becomes a piece like any other.
-        let (flown_knots, flown_segments) = (flown.knots(), flown.segments());
-        let cut = count_at_front(flown_knots, |knot| knot < from);
+        let (old_knots, old_segments) = (old.knots(), old.segments());
+        let cut = count_at_front(old_knots, |knot| knot < from);
         // The end motion keeps its doubling cuts, so that what is solved there keeps its bits. Without cuts, a cubic
         // that is followed far from its knots would be examined as a whole.
-        let beyond = (cut > flown_segments.len()).then(|| flown.segment_after());
+        let beyond = (cut > old_segments.len()).then(|| old.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
-        if let (Some(end_motion), Some(&last)) = (&beyond, flown_knots.last()) {
-            end_motion.check_range((last, from), flown_knots.len() - 1)?;
+        if let (Some(end_motion), Some(&last)) = (&beyond, old_knots.last()) {
+            end_motion.check_range((last, from), old_knots.len() - 1)?;
             cuts_after = DoublingCuts::of(last, end_motion.end() - end_motion.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
@@ -110,17 +110,17 @@ impl Trajectory {
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
         // The instants at which its pieces begin; not copied only to be dropped.
-        let begins = flown_knots[..cut].iter().copied().chain(cuts_after);
+        let begins = old_knots[..cut].iter().copied().chain(cuts_after);
         let is_past = |time: f64| time < since.min(from);
-        let mut past = count_at_front(&flown_knots[..cut], is_past);
+        let mut past = count_at_front(&old_knots[..cut], is_past);
         if past == cut {
             past = begins.clone().take_while(|&time| is_past(time)).count();
         }
         let dropped = past.saturating_sub(1);
         let begins = begins.skip(dropped);
         let kept = begins.clone().count();
-        let own = flown_segments.len();
-        let flown_segments = flown_segments[dropped.min(own)..cut.min(own)].iter();
+        let own = old_segments.len();
+        let old_segments = old_segments[dropped.min(own)..cut.min(own)].iter();
         // To come: the piece of this plan that holds at `from`, and the rest.
         let goes_on = knots_before < self.knots().len();
         let present = match knots_before {
@@ -128,27 +128,27 @@ impl Trajectory {
             _ if goes_on => self.segments()[knots_before - 1],
             _ => self.segment_after(),
         };
-        let beyond_count = kept - flown_segments.len();
+        let beyond_count = kept - old_segments.len();
         let beyond = beyond
             .into_iter()
             .flat_map(|beyond| repeat_n(beyond, beyond_count));
         let cut_before = cuts_before.clone().count();
         let to_come = if goes_on { 1 + cut_before } else { 0 };
-        // The motion before a splice ahead of the flown knots is not that from the new first knot.
-        let before = if flown_knots.first().is_some_and(|&first| from < first) {
-            flown.segment_before()
+        // The motion before a splice ahead of the old knots is not that from the new first knot.
+        let before = if old_knots.first().is_some_and(|&first| from < first) {
+            old.segment_before()
         } else {
-            flown.end_motion_before()
+            old.end_motion_before()
         };
         let is_line = self.straight().is_some();
         let lists = self.as_lists();
         lists.drop_piece_after();
         lists.segments.put_beside(0, before);
-        lists.before = flown.outside_before();
+        lists.before = old.outside_before();
         lists.segments.replace_front(
             knots_before.min(lists.segments.len()),
             kept + to_come,
-            flown_segments
+            old_segments
                 .copied()
                 .chain(beyond)
                 .chain(repeat_n(present, to_come)),
@@ -227,14 +227,14 @@ impl Trajectory {
     /// that this succeeds, and changes nothing but its own few numbers. That is usual where a state is told each frame.
     /// Returns the facts that a further motion is checked against.
     #[inline]
-    pub(crate) fn replace_as_usual(
+    pub(crate) fn replace_checked(
         &mut self,
         from: f64,
         motion: &StraightMotion,
         since: f64,
     ) -> LastMotion {
         if let Form::Recent(recent) = &mut self.form {
-            return recent.replace_as_usual(from, motion, since);
+            return recent.replace_checked(from, motion, since);
         }
         self.replace(from, motion, since);
         self.last_motion()
@@ -321,17 +321,17 @@ mod tests {
         let mut seen = [0; 2];
         for outside in [Outside::Absent, Outside::Coast, Outside::Extrapolate] {
             for knots in [&[3.0][..], &[2.0, 3.0], &[0.0, 1.0, 2.0, 3.0]] {
-                let flown = plan(knots, outside);
+                let old = plan(knots, outside);
                 for plan in [&[3.0][..], &[10.0, 11.0]].map(|knots| plan(knots, outside)) {
                     for &from in &instants {
-                        let Ok(whole) = flown.spliced(from, &plan) else {
+                        let Ok(whole) = old.spliced(from, &plan) else {
                             continue;
                         };
                         for &since in &instants {
                             let mut spliced = plan.clone();
-                            assert!(spliced.precede_by(&flown, from, since).is_ok());
+                            assert!(spliced.precede_by(&old, from, since).is_ok());
                             let since = whole.clone().trimmed_before(since);
-                            assert_eq!(spliced, since, "{flown:?} {plan:?} {from}");
+                            assert_eq!(spliced, since, "{old:?} {plan:?} {from}");
                             let has_dropped = since.knots().len() < whole.knots().len();
                             seen[usize::from(has_dropped)] += 1;
                         }
@@ -345,7 +345,7 @@ mod tests {
     /// Plans of any kind have spare places for the rest of the previous one.
     #[test]
     fn told_frame_by_frame_a_plan_keeps_its_memory() {
-        let mut flown = plan(&[0.0], Outside::Coast);
+        let mut old = plan(&[0.0], Outside::Coast);
         for now in (1..100).map(f64::from) {
             let next = match now % 3.0 {
                 1.0 => plan(&[now], Outside::Coast),
@@ -354,17 +354,17 @@ mod tests {
             };
             let mut spliced = next.clone();
             let memory = spliced.as_lists().segments.beside().as_ptr();
-            assert!(spliced.precede_by(&flown, now, now).is_ok());
+            assert!(spliced.precede_by(&old, now, now).is_ok());
             let kept = spliced.as_lists().segments.beside().as_ptr();
             assert_eq!(kept, memory, "{now}");
-            flown = spliced;
+            old = spliced;
         }
     }
     /// A plan replaced in place is what one with lists is, wherever there is room for it.
     #[test]
     fn what_is_replaced_in_place_is_the_same_plan() {
         let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
-        let (mut in_place, mut in_lists, mut usual) = (0, 0, 0);
+        let (mut in_place, mut in_lists, mut checked) = (0, 0, 0);
         for round in 0..200_u32 {
             let mut one = plan(&[0.0, 1.0, 2.0], Outside::Coast);
             let mut other = one.clone();
@@ -385,20 +385,20 @@ mod tests {
                 let cuts = one.cuts();
                 let ends = (cuts[0], cuts[cuts.len() - 1]);
                 let last = one.last_motion();
-                let is_usual = last.is_replaced_by(&motion, (now, since), ends, window(now));
-                if is_usual {
-                    usual += 1;
+                let is_checked = last.is_replaced_by(&motion, (now, since), ends, window(now));
+                if is_checked {
+                    checked += 1;
                     assert!(one.domain().contains(now) && !one.follows(&motion, now));
                 }
                 let memory = one.straight_motions().as_ptr();
-                if is_usual {
-                    let last = one.replace_as_usual(now, &motion, since);
+                if is_checked {
+                    let last = one.replace_checked(now, &motion, since);
                     assert_eq!(last, one.last_motion());
                 } else {
                     one.replace(now, &motion, since);
                 }
                 let is_kept = memory == one.straight_motions().as_ptr();
-                assert!(is_kept || !is_usual);
+                assert!(is_kept || !is_checked);
                 other.as_lists().replace(now, &motion, since);
                 in_place += usize::from(!one.straight_motions().is_empty());
                 in_lists += usize::from(one.straight_motions().is_empty());
@@ -411,9 +411,9 @@ mod tests {
                 }
             }
         }
-        let counts = [in_place, in_lists, usual];
+        let counts = [in_place, in_lists, checked];
         assert!(
-            in_place > 5_000 && in_lists > 200 && usual > 1_000,
+            in_place > 5_000 && in_lists > 200 && checked > 1_000,
             "{counts:?}"
         );
     }

@@ -42,7 +42,7 @@ pub(super) struct BoxTree {
     orders: u32,
     /// Bodies and leaves passed by since all were put in order, because a body was not where it
     /// belongs.
-    wear: usize,
+    disorder: usize,
     sorted: Vec<(u32, BodyBox)>,
 }
 
@@ -63,7 +63,7 @@ impl BoxTree {
         self.begins.clone_from(&other.begins);
         self.curve = other.curve;
         self.is_fitted = false;
-        self.wear = 0;
+        self.disorder = 0;
     }
 
     /// Fits every box around a node to what the node holds.
@@ -87,7 +87,7 @@ impl BoxTree {
                 None => self.insert(self.leaf_of(&body.aabb), body),
             }
         }
-        self.wear += boxes.len();
+        self.disorder += boxes.len();
         self.fit();
     }
 
@@ -162,7 +162,7 @@ impl BoxTree {
         }
         self.sorted = sorted;
         self.fit();
-        self.wear = 0;
+        self.disorder = 0;
         self.orders = self.orders.wrapping_add(1);
     }
 

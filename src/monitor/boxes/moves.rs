@@ -10,7 +10,7 @@ impl BoxTree {
     /// Replaces the boxes of some bodies, few of all: each finds the best lane for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
         InstructionSet::best().run(MoveBoxes { tree: self, boxes });
-        if self.wear > self.slot_at.len() {
+        if self.disorder > self.slot_at.len() {
             self.list_for_order();
             self.put_in_order();
         }
@@ -73,7 +73,7 @@ impl BoxTree {
                     self.grow(leaf, corners(&body.aabb));
                     return;
                 }
-                self.wear += 1;
+                self.disorder += 1;
             }
         }
         self.list_for_order();

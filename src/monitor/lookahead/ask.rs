@@ -85,14 +85,14 @@ impl LookaheadSearch {
         neighbours: &mut Vec<NearBody>,
     ) {
         let (from, to) = (earliest_exact(from), latest_exact(to));
-        let always = |slot| NearBody { slot, from, to };
+        let throughout = |slot| NearBody { slot, from, to };
         if own.is_half_space() {
             neighbours.clear();
             let all = (0_u32..).take(self.monitored.len());
-            neighbours.extend(all.map(always));
+            neighbours.extend(all.map(throughout));
         } else {
             let planes = self.monitored.half_spaces().iter().copied();
-            neighbours.extend(planes.map(always));
+            neighbours.extend(planes.map(throughout));
         }
     }
 
@@ -118,8 +118,8 @@ impl LookaheadSearch {
                 self.recent.meeting(&bodies, window, &own.aabb, &mut met);
             }
             let (from, to) = window;
-            let always = |slot| NearBody { slot, from, to };
-            neighbours.extend(met.into_iter().map(always));
+            let throughout = |slot| NearBody { slot, from, to };
+            neighbours.extend(met.into_iter().map(throughout));
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {

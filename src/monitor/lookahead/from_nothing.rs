@@ -36,7 +36,7 @@ impl LookaheadSearch {
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
         let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
-        let bodies = PreparedBodies::of(table, &mut self.presence);
+        let bodies = PreparedBodies::of(table, &mut self.lifetimes);
         let stop = self.jump.cross(
             (from, to, self.grid.length),
             (&bodies, filter),
@@ -44,7 +44,7 @@ impl LookaheadSearch {
             meter,
             (&mut self.survivors, stats),
         );
-        bodies.forget(&mut self.presence);
+        bodies.forget(&mut self.lifetimes);
         stop
     }
 
@@ -76,15 +76,15 @@ impl LookaheadSearch {
         let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
         let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let begin = Instant::now();
-        let (bodies, statistics) = PreparedBodies::in_window(table, &mut self.presence, window);
-        let cut = (&bodies.usual_slices(window), &statistics);
+        let (bodies, statistics) = PreparedBodies::in_window(table, &mut self.lifetimes, window);
+        let cut = (&bodies.slices_of_search_length(window), &statistics);
         stats.bounds_time += begin.elapsed();
         let threads = (&self.search_pool, parallel::threads());
         let search = bodies.search(Window::ALL, limits, threads);
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
         let done = search.spans(cut, filter, &|_| {}, found);
-        bodies.forget(&mut self.presence);
+        bodies.forget(&mut self.lifetimes);
         done?;
         if filter.gives_up() {
             return Ok(());

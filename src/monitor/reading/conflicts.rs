@@ -10,13 +10,13 @@ use crate::rounding::total_order;
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct ConflictCache {
     /// Sorted by the time at which a conflict begins, and by pair: the order of reports.
-    always: SortedSlab<(i64, SlotPair), Conflict>,
+    all: SortedSlab<(i64, SlotPair), Conflict>,
 }
 
 impl ConflictCache {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
-        self.always.retain(|entry, _| {
+        self.all.retain(|entry, _| {
             entry.interval.1 >= before && changed.binary_search(&entry.key.1).is_err()
         });
     }
@@ -25,12 +25,12 @@ impl ConflictCache {
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, conflict: Conflict) {
         let interval = (conflict.enter, conflict.exit);
         let key = (total_order(conflict.enter), slots);
-        self.always.add(key, interval, conflict);
+        self.all.add(key, interval, conflict);
     }
 
     /// Sorts in what was added.
-    pub(in crate::monitor) fn settle(&mut self) {
-        self.always.settle();
+    pub(in crate::monitor) fn merge_added(&mut self) {
+        self.all.merge_added();
     }
 
     /// Puts all conflicts of a window into `listed`, in the order of reports. `again` reads what the
@@ -47,9 +47,9 @@ impl ConflictCache {
             around: window,
         };
         let mut begun = 0;
-        for entry in self.always.entries() {
+        for entry in self.all.entries() {
             match edges.side_of(entry.interval) {
-                WindowSide::Within => listed.push(*self.always.at(entry.place)),
+                WindowSide::Within => listed.push(*self.all.at(entry.place)),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {
                     again(entry.key.1, entry.interval, listed);

@@ -11,7 +11,7 @@ use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct EncounterCache {
     /// Encounters whatever the window.
-    always: SortedSlab<SlotPair, PlannedEncounter>,
+    all: SortedSlab<SlotPair, PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<SlotPair>,
     /// Encounters of the listed pairs in the window.
@@ -26,7 +26,7 @@ impl EncounterCache {
     /// Drops those of some pairs (sorted), and those that have ended before an instant.
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         let (mut changed, touched) = (changed.iter().peekable(), &mut self.touched);
-        self.always.retain(|entry, _| {
+        self.all.retain(|entry, _| {
             while changed.next_if(|slots| **slots < entry.key).is_some() {}
             let keeps = entry.interval.1 >= before && changed.peek() != Some(&&entry.key);
             if !keeps {
@@ -39,17 +39,16 @@ impl EncounterCache {
     /// Adds the planned encounters of a pair; pairs come in order.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, planned: PlannedEncounter) {
         self.touched.push(slots);
-        self.always
-            .add(slots, (planned.start, planned.exit), planned);
+        self.all.add(slots, (planned.start, planned.exit), planned);
     }
 
     /// Sorts in what was added.
-    pub(in crate::monitor) fn settle(&mut self) {
+    pub(in crate::monitor) fn merge_added(&mut self) {
         /// So many are not too many, whatever there is.
         const FEW: usize = 1024;
-        self.always.settle();
+        self.all.merge_added();
         // `touched` grows as long as nothing is listed: while nothing is known beyond the reported time.
-        let most = FEW + 2 * self.always.entries().len();
+        let most = FEW + 2 * self.all.entries().len();
         if self.lists_all() || self.touched.len() > most {
             self.list_all();
         }
@@ -77,7 +76,7 @@ impl EncounterCache {
         mut again: impl FnMut(SlotPair, &mut Vec<PlannedEncounter>),
     ) {
         let Self {
-            always,
+            all,
             touched,
             listed,
             pairs,
@@ -90,7 +89,7 @@ impl EncounterCache {
         touched.dedup();
         let mut touched = touched.drain(..).peekable();
         let before = before.replace(edges);
-        for entries in always.entries().chunk_by(|x, y| x.key == y.key) {
+        for entries in all.entries().chunk_by(|x, y| x.key == y.key) {
             let slots = entries[0].key;
             while let Some(gone) = touched.next_if(|other| *other < slots) {
                 pairs.push((gone, listed.len()));
@@ -111,7 +110,7 @@ impl EncounterCache {
                 let within = entries
                     .iter()
                     .filter(|entry| side(entry) == WindowSide::Within);
-                listed.extend(within.map(|entry| *always.at(entry.place)));
+                listed.extend(within.map(|entry| *all.at(entry.place)));
             } else {
                 continue;
             }

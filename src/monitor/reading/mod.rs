@@ -105,8 +105,8 @@ mod tests {
             conflicts.add(slots, conflict(slots, (start, start + 0.5)));
             cache.add(slots, planned(slots, (start, start + 0.5)));
         }
-        conflicts.settle();
-        cache.settle();
+        conflicts.merge_added();
+        cache.merge_added();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let edges = WindowEdges {
             within: all,
@@ -146,7 +146,7 @@ mod tests {
             let slots = (round, round + 1);
             cache.drop_changed(&[(round.max(1) - 1, round), slots], 0.0);
             cache.add(slots, planned(slots, (0.25, 0.5)));
-            cache.settle();
+            cache.merge_added();
         }
         assert!(cache.lists_all());
         cache.list(edges, &[(7, 8)], |_, _| {});
@@ -165,7 +165,7 @@ mod tests {
             let (slots, start) = ((0, number + 1), f64::from(number));
             cache.add(slots, planned(slots, (start, start + 0.5)));
         }
-        cache.settle();
+        cache.merge_added();
         let listed = |cache: &mut EncounterCache, now: f64, known: f64, wait: &[(u32, u32)]| {
             let edges = WindowEdges {
                 within: (now, known),

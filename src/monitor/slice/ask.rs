@@ -32,7 +32,7 @@ impl LookaheadSlice {
         let index = if self.is_placed() {
             &self.index
         } else {
-            self.asked.get_or_init(|| self.index_of(bodies))
+            self.query_index.get_or_init(|| self.index_of(bodies))
         };
         form(bodies.frame, source, &self.ends(), block);
         let own = &block.slices[0];

@@ -32,7 +32,7 @@ impl LookaheadSlice {
     const FEW_CANDIDATES: usize = 1024;
 
     /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
-    const ASKED: usize = 64;
+    const BOXES_PER_CHECK: usize = 64;
 
     /// Stands for the fat line of a body without a box: nobody asks for it.
     const NO_FAT_LINE: FatLine = FatLine {
@@ -54,8 +54,8 @@ impl LookaheadSlice {
         self.is_crowded = false;
         self.is_put_off = false;
         self.survivors.clear();
-        self.rest = None;
-        self.asked = OnceLock::new();
+        self.unsearched_from = None;
+        self.query_index = OnceLock::new();
         self.forget_changes();
     }
 
@@ -154,7 +154,7 @@ impl LookaheadSlice {
         };
         is_there
             && self.changed.is_empty()
-            && self.rest.is_none()
+            && self.unsearched_from.is_none()
             && self.refined == self.candidates.len()
     }
 
@@ -189,7 +189,7 @@ impl LookaheadSlice {
         wanted: impl Fn(u32, u32) -> bool,
     ) {
         let candidates = &mut self.candidates;
-        for some in scratch.listed.chunks(Self::ASKED) {
+        for some in scratch.listed.chunks(Self::BOXES_PER_CHECK) {
             if filter.gives_up() {
                 return;
             }
@@ -260,8 +260,8 @@ impl LookaheadSlice {
     ) -> usize {
         self.candidates.clear();
         self.refined = 0;
-        if let Some(from) = self.rest {
-            return self.search_rest(from, task, scratch);
+        if let Some(from) = self.unsearched_from {
+            return self.search_next_part(from, task, scratch);
         }
         let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
         let filter = &CandidateLimit::new(task.filter, room);
@@ -272,7 +272,7 @@ impl LookaheadSlice {
             self.stats.slices += u64::from(!self.stage.is_compared());
             self.stage = BuildStage::Built;
             self.forget_changes();
-            self.rest = Some(self.interval.0);
+            self.unsearched_from = Some(self.interval.0);
         } else if filter.gives_up() {
             self.candidates.clear();
         }
@@ -320,7 +320,7 @@ impl LookaheadSlice {
                 0
             }
             BuildStage::Compared(slots) => {
-                if let Some(index) = self.asked.take() {
+                if let Some(index) = self.query_index.take() {
                     self.index = index;
                     self.stage = BuildStage::Built;
                     return 0;

@@ -10,7 +10,7 @@ use crate::window::Window;
 
 impl LookaheadSlice {
     /// Searches all bodies in some more of the slice; returns how many boxes were formed.
-    pub(super) fn search_rest<F: PairFilter>(
+    pub(super) fn search_next_part<F: PairFilter>(
         &mut self,
         from: f64,
         task: &SliceTask<'_, F>,
@@ -28,7 +28,7 @@ impl LookaheadSlice {
             .search(Window::ALL, task.limits, (&scratch.pool, 1))
             .spans(
                 (
-                    &prepared.usual_slices((from, end)),
+                    &prepared.slices_of_search_length((from, end)),
                     &prepared.statistics((from, end)),
                 ),
                 filter,
@@ -37,7 +37,7 @@ impl LookaheadSlice {
             );
         self.is_crowded |= done.is_err();
         if !filter.gives_up() {
-            self.rest = Some(end).filter(|&end| end < self.interval.1);
+            self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);
         }
         usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
     }

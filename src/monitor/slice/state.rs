@@ -18,7 +18,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) interval: (f64, f64),
     pub(super) index: BoxIndex,
     /// Boxes for questions about a slice that has no boxes yet.
-    pub(super) asked: OnceLock<BoxIndex>,
+    pub(super) query_index: OnceLock<BoxIndex>,
     pub(super) stage: BuildStage,
     /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
     pub(super) due: f64,
@@ -34,7 +34,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(in crate::monitor) survivors: Vec<SpanKey>,
     /// Instant from which on all bodies are to be searched from nothing, s: boxes of the whole slice overlap
     /// too many others.
-    pub(super) rest: Option<f64>,
+    pub(super) unsearched_from: Option<f64>,
     /// True if the slice was given up for lack of room.
     pub(super) is_crowded: bool,
     /// Set while no work is done before the slice is needed.

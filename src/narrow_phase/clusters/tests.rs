@@ -2,7 +2,7 @@
 
 use super::super::certified::{MarginBand, Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::{DistanceProfile, NEVER};
+use super::super::stretches::{DistanceProfile, NOTHING_FOUND};
 use super::{ClusterPair, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
@@ -225,7 +225,7 @@ fn contacts_are_those_of_all_pairs() {
                     &profile,
                     span,
                     case.band().outer,
-                    (clip, NEVER),
+                    (clip, NOTHING_FOUND),
                     &mut expected,
                 );
             });
@@ -274,7 +274,7 @@ fn the_envelope_serves_for_all_margins_and_windows() {
                         &DistanceProfile::of(&pair.cubic),
                         span,
                         margin,
-                        (clip, NEVER),
+                        (clip, NOTHING_FOUND),
                         &mut expected,
                     );
                 });
@@ -338,12 +338,12 @@ fn the_nearest_is_that_of_all_pairs() {
             case.each(|pair, span| {
                 if of_window(&span) {
                     if before.replace(span).is_some_and(|before| before != span) {
-                        nearest.settle();
+                        nearest.end_span();
                     }
                     nearest.push(pair, span, clip);
                 }
             });
-            nearest.settle();
+            nearest.end_span();
             assert_eq!(found, nearest.closest, "{kind} {clip:?}");
             // Where a window cuts, the plain solver is off by what the rounding of time amounts to.
             if kind % 5 == 3 && clip == (f64::MIN, f64::MAX) {
@@ -412,7 +412,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 &profile,
                 span,
                 case.band().outer,
-                (case.clip, NEVER),
+                (case.clip, NOTHING_FOUND),
                 &mut found,
             );
             instants.extend(
@@ -450,7 +450,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                     &DistanceProfile::of(&pair.cubic),
                     span,
                     case.band().outer,
-                    (clip, NEVER),
+                    (clip, NOTHING_FOUND),
                     &mut expected,
                 );
             });
@@ -465,7 +465,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             case.each(|pair, span| {
                 all_of_them.push(pair, span, clip);
             });
-            all_of_them.settle();
+            all_of_them.end_span();
             assert_eq!(nearest, all_of_them.closest, "{round} {clip:?}");
             let (mut proven, mut expected) = (Vec::new(), Vec::new());
             certified_contacts(

@@ -3,12 +3,12 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::TrackedSpin;
+use crate::orientation::ToldSpin;
 use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
-pub(super) struct TrackedMotions {
+pub(super) struct ToldMotions {
     /// The bodies, each once.
     pub(super) ids: Vec<BodyId>,
     /// Straight motions, one for each body.
@@ -19,14 +19,14 @@ pub(super) struct TrackedMotions {
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
     /// Spins that were given, with the place of the body.
-    pub(super) spins: Vec<(usize, TrackedSpin)>,
+    pub(super) spins: Vec<(usize, ToldSpin)>,
     /// Number of the spin of each place, valid if that entry is of this place.
     spin_of: Vec<usize>,
     /// Changes of bodies whose motion is not replaced in place.
-    pub(super) others: Vec<TrackedChange>,
+    pub(super) others: Vec<ToldChange>,
 }
 
-impl TrackedMotions {
+impl ToldMotions {
     pub(super) fn clear(&mut self) {
         self.ids.clear();
         self.motions.clear();
@@ -39,21 +39,17 @@ impl TrackedMotions {
     pub(super) fn list_others(&mut self) {
         let places = self.in_place.iter().enumerate();
         for (place, _) in places.filter(|(_, is_replaced)| !**is_replaced) {
-            self.others.push(TrackedChange {
+            self.others.push(ToldChange {
                 id: self.ids[place],
                 motion: self.motions[place],
-                plan: TrackedPlan::Same,
+                plan: ToldPlan::Same,
             });
         }
     }
 
     /// Takes a motion in, and a spin if it was given. They replace those of the same body, if there are any.
     #[inline]
-    pub(super) fn put(
-        &mut self,
-        (id, motion): (BodyId, StraightMotion),
-        spin: Option<TrackedSpin>,
-    ) {
+    pub(super) fn put(&mut self, (id, motion): (BodyId, StraightMotion), spin: Option<ToldSpin>) {
         let slot = id.slot as usize;
         if self.place_of.len() <= slot {
             self.place_of.resize(slot + 1, 0);
@@ -105,15 +101,15 @@ impl TrackedMotions {
 
 /// A change of another kind.
 #[derive(Debug)]
-pub(super) struct TrackedChange {
+pub(super) struct ToldChange {
     pub(super) id: BodyId,
     pub(super) motion: StraightMotion,
-    pub(super) plan: TrackedPlan,
+    pub(super) plan: ToldPlan,
 }
 
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
-pub(super) enum TrackedPlan {
+pub(super) enum ToldPlan {
     /// The body follows the motion already.
     Same,
     /// The body's motion is replaced in place at an instant (s).

@@ -56,14 +56,14 @@ mod tests {
 
     #[test]
     fn those_that_exist_are_listed() {
-        let presence = Lifetimes::of(vec![
+        let lifetimes = Lifetimes::of(vec![
             (0.0, 2.0),
             (2.0, 3.0),
             (f64::INFINITY, f64::NEG_INFINITY),
             (-1.0, 5.0),
             (3.5, 4.0),
         ]);
-        let some = presence.of_some(&[1, 4]);
+        let some = lifetimes.of_some(&[1, 4]);
         let mut present = vec![7];
         some.list((3.6, 9.0), &mut present);
         assert_eq!(present, [1]);
@@ -74,7 +74,7 @@ mod tests {
             ((3.2, 3.5), &[3, 4]),
             ((6.0, 9.0), &[]),
         ] {
-            presence.list(interval, &mut present);
+            lifetimes.list(interval, &mut present);
             assert_eq!(present, expected);
         }
     }

@@ -12,14 +12,14 @@ use glam::{DQuat, DVec3};
 
 /// The numbers of an [`Orientation::spin`], checked.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TrackedSpin {
+pub(crate) struct ToldSpin {
     time: f64,
     rotation: DQuat,
     angular_velocity: DVec3,
     arc: Arc,
 }
 
-impl TrackedSpin {
+impl ToldSpin {
     /// Returns the spin with a rotation and an angular velocity (rad/s) at `time` (s).
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl Orientation {
     /// As [`followed_by`](Self::followed_by).
     pub(crate) fn follow_spin(
         &mut self,
-        spin: &TrackedSpin,
+        spin: &ToldSpin,
         from: f64,
         since: f64,
     ) -> Result<bool, Error> {
@@ -87,7 +87,7 @@ impl Turning {
     }
 
     /// Does what [`Orientation::followed_by`] does, with a spin, if each part is one piece.
-    fn follow_spin(&mut self, spin: &TrackedSpin, from: f64, since: f64) -> bool {
+    fn follow_spin(&mut self, spin: &ToldSpin, from: f64, since: f64) -> bool {
         let source = spin.source();
         let is_followed = self.parts.last().is_some_and(|last| {
             last.source == source && last.from.is_none_or(|begin| begin <= from)
@@ -173,7 +173,7 @@ mod tests {
                 let is_change = orientation != expected;
                 let turning = orientation.turning.as_ref();
                 in_place += usize::from(turning.is_some_and(|one| one.has_one_piece_a_part()));
-                let spin = TrackedSpin::new(time, rotation, velocity).unwrap();
+                let spin = ToldSpin::new(time, rotation, velocity).unwrap();
                 let changed = orientation.follow_spin(&spin, from, since).unwrap();
                 assert_eq!(all_of(&orientation), all_of(&expected));
                 assert_eq!(changed, is_change, "{orientation:?}");
