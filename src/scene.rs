@@ -111,12 +111,13 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
+    /// Numbers of bodies by their layers: tell which bodies can be part of a pair.
     kinds: Kinds,
     /// Memory of the bodies' compact trajectories.
     arena: CubicArena,
     /// Buffers of screenings; no part of the scene's value.
     pool: Pool<SearchScratch>,
-    /// Memory of updates; no part of what a scene is.
+    /// Memory of [`update`](Self::update): the bodies whose states were told; no part of the scene's value.
     told: Vec<(BodyId, StraightMotion)>,
 }
 
@@ -131,7 +132,7 @@ impl Scene {
         &self.pool
     }
 
-    /// Returns the test whether a body may be part of a pair with a margin (m).
+    /// Returns the test whether a body has a partner: another body with which it may be a pair within a margin (m).
     pub(crate) fn partners(&self, margin: f64) -> Partners<'_> {
         Partners::of(&self.kinds, margin)
     }

@@ -12,13 +12,15 @@ pub(crate) struct BodyCubic<'a> {
     pub(crate) cubic: usize,
 }
 
+/// The outcome of a [hull test](hull_test).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HullTest {
     /// The bodies certainly stay apart by more than the margin.
     Apart,
-    /// The bodies may come near; f64 would rule out little more.
+    /// The bodies may come near. Rounding is small: the same test in f64 would rule out little more.
     Near,
-    /// Undecided because of f32 rounding.
+    /// Undecided: f32 rounding is too large next to the distance in question. A test in f64 may still show that the
+    /// bodies stay apart.
     Blurred,
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// The body's box, which moves with the slice interval.
     low: Vec4,
     high: Vec4,
-    /// The other magnitude of rounding, and the largest number of splits of a piece.
+    /// Largest `spread` and largest number of splits of a piece: rounding grows with both. See [`SubCubic`].
     spread: f32,
     splits: f32,
     /// Least and largest deviation from the line on each axis.
@@ -249,8 +249,9 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         })
     }
 
-    /// Returns the fat line, and the box rounded outward, in the frame's unit. Where the frame does
-    /// not serve, the fat line is infinite, and the box as large as `f32` allows. `first` is the cubic that the body follows first.
+    /// Returns the fat line, and the box rounded outward, in the frame's unit. `first` is the cubic
+    /// that the body follows first. Where the frame does not serve, the fat line is infinite, and the
+    /// box as large as `f32` allows.
     #[inline(always)]
     pub(crate) fn finish(&self, placement: &FramePlacement, first: u32) -> (FatLine, Aabb) {
         let Self { low, high, .. } = *self;

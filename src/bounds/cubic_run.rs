@@ -5,16 +5,17 @@ use glam::Vec4;
 
 /// Bounds of four consecutive cubics, or of four smaller runs: 64 bytes.
 ///
-/// Coordinates are as in a [`CompactCubic`](super::CompactCubic). If a motion deviates from one
-/// uniformly parametrised line by at most d, it deviates from another one by at most d plus the
-/// larger deviation between the two lines' end points (per axis and side). The line is the chord,
-/// moved to the middle between the extreme deviations.
+/// Coordinates are as in a [`CompactCubic`](super::CompactCubic). The run is a line with the largest
+/// deviation of the motion from it: the chord, moved to the middle between the extreme deviations. If a
+/// motion deviates from one uniformly parametrised line by at most d, it deviates from another one by
+/// at most d plus the larger distance between corresponding ends of both lines (per axis and side).
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct CubicRun {
-    /// Start of the line; the last lane is the other magnitude of rounding besides coordinates.
+    /// Start of the line; the last lane is the largest `spread` of a cubic: see [`SubCubic`](super::SubCubic).
     start: Vec4,
-    /// End of the line, and the extremes; the last lanes are the deviation on each axis.
+    /// End of the line, and the extreme coordinates of the motion; the last lanes are the largest deviation from the
+    /// line on each axis.
     end: Vec4,
     low: Vec4,
     high: Vec4,

@@ -9,11 +9,13 @@ use std::ops::Deref;
 
 /// Origin and unit (a power of two) of f32 coordinates.
 ///
-/// Far from the origin f32 boxes lose all precision, and beyond 3e38 they overflow. Both are
-/// avoided by coordinates relative to the scene's middle, in a unit that suits its size.
+/// Far from the origin f32 coordinates lose precision, and beyond 3e38 they overflow. An origin near
+/// most of the bodies, and a unit that suits the extent of the scene, avoid both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
+    /// m.
     pub(super) origin: DVec3,
+    /// Units in a metre: a power of two.
     pub(super) power: f64,
 }
 
@@ -132,13 +134,15 @@ impl Frame {
         power: 1.0,
     };
 
-    /// Returns a frame for coordinates within `extremes` and paddings up to `padding` (m).
+    /// Returns a frame for positions within a box (m), and boxes that exceed them by up to `padding` (m). Its origin
+    /// is the middle of the box.
     pub(crate) fn around(extremes: DAabb, padding: f64) -> Self {
         Self::amid(extremes, extremes, padding)
     }
 
-    /// Returns a frame for coordinates within `world`, with its origin near `most` of them: f32 is
-    /// finest near the origin. A few outliers then cost the other bodies no precision.
+    /// Returns a frame for positions within `world`, and boxes that exceed them by up to `padding` (m). `most` is a box
+    /// around most of the positions. The origin lies near these, where f32 is finest: a few outliers then cost
+    /// the other bodies no precision.
     pub(crate) fn amid(world: DAabb, most: DAabb, padding: f64) -> Self {
         if !world.is_finite() {
             return Self::OF_NOTHING;
@@ -162,10 +166,10 @@ impl Frame {
         }
     }
 
-    /// Returns true if this frame serves coordinates within `world`, and paddings up to `padding`
-    /// (m), about as well as a new one [amid](Self::amid) them.
+    /// Returns true if this frame serves positions about as well as a new one from
+    /// [`amid`](Self::amid), given the same arguments.
     pub(crate) fn suits(&self, world: DAabb, most: DAabb, padding: f64) -> bool {
-        /// Largest ratio of the units, either way: f32 has exponents to spare.
+        /// Largest ratio of the units of both frames, either way: the exponents of f32 leave room for it.
         const MANY: f64 = 65536.0;
         if !world.is_finite() {
             return true;
@@ -177,10 +181,11 @@ impl Frame {
     }
 }
 
-/// Largest distance of the origin from the middle, in half extents: sixteen cost f32 four bits.
+/// Largest distance of the origin from the middle of most positions, in half extents of these: sixteen cost f32 four
+/// bits.
 const FEW: f64 = 16.0;
 
-/// Returns the origin for a world, and how far from it most of the world extends, m.
+/// Returns the origin of a frame [amid](Frame::amid) a world, and the half extent of the box around most of it, m.
 fn middle(world: DAabb, most: DAabb, padding: f64) -> (DVec3, f64) {
     let origin = world.middle();
     let half_of = |part: &DAabb| (part.high - part.middle()).max_element() + padding;

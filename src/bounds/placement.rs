@@ -17,8 +17,8 @@ pub(crate) struct FramePlacement {
     pub(super) low: Vec4,
     pub(super) high: Vec4,
     pub(super) reach: f32,
-    /// Rounding common to all boxes, in the frame's unit; infinite where the frame does not serve
-    /// the body. A frame chosen for all bodies always does.
+    /// Rounding that is the same in all of the body's boxes, in the frame's unit; infinite where the frame
+    /// does not serve the body. A frame chosen for all bodies always does.
     pub(super) steady: f32,
 }
 

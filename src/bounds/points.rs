@@ -21,8 +21,8 @@ impl PaddedPoints {
     ///
     /// - The points are off by `e`, their own error, which grows with the distance from the knots.
     ///   So are the solver's points. The solver reports contacts within its tolerance of the
-    ///   threshold: 2 `e` from the motion, or 2.25 `e` if certified (numerics, Section 6: the
-    ///   search ends within a quarter of it). With the box's own points that is 3.25 `e`.
+    ///   threshold: 2 `e` from the motion, or 2.25 `e` if certified: the certified
+    ///   search ends within a quarter of `e`. With the box's own points that is 3.25 `e`.
     /// - The rest of its tolerance: 48 roundings of the extents of both bodies in the span,
     ///   negligible against f32; one of the points' distance from the origin; two of the distance
     ///   between both segments' origins. For near bodies the last is at most the sum of both

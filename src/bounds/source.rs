@@ -19,7 +19,7 @@ pub(crate) trait BoundingCubic {
     fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
-/// A body's cubics and their placement in the frame.
+/// A source of boxes: a body's cubics and their placement in the frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubicSource<'a, C> {
     pub(crate) knots: Knots<'a>,

@@ -9,10 +9,10 @@ use glam::Vec4;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubCubic {
     pub(super) points: [Vec4; 4],
-    /// The other magnitude to which rounding is relative, besides the coordinates: no two points
-    /// are farther apart than twice this.
+    /// At least half the largest distance between two points. Rounding is relative to this magnitude and to
+    /// the coordinates.
     pub(super) spread: f32,
-    /// Number of splits from the rest of the cubic.
+    /// Number of splits by which the part was cut from its cubic: each adds rounding.
     pub(super) splits: f32,
     pub(super) from: f64,
     pub(super) to: f64,

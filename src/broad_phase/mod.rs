@@ -34,12 +34,12 @@ impl Method {
     pub const EVERY: [Self; 3] = [Self::BruteForce, Self::Tree, Self::Sweep];
 }
 
-/// A body's box in one slice: bounds all its positions, with hitbox and half the margin.
+/// A body's box in one slice: contains its hitbox, enlarged by half the margin, at each instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyBox {
-    /// Corners relative to the scene's middle, in metres or a power of two of them, rounded
-    /// outward. Finite, with the low corner nowhere above the high one. May be flat, or as large as
-    /// `f32` allows.
+    /// Corners, rounded outward. The origin lies near most bodies, and may move in the slice with their
+    /// common velocity. The unit is the metre, or a power of two of metres. Corners are finite, the
+    /// low one nowhere above the high one. The box may be flat, or as large as `f32` allows.
     pub aabb: Aabb,
     /// The body's dense index; a body has at most one box in a slice.
     pub body: u32,
@@ -81,8 +81,8 @@ pub trait PairFilter: Sync {
     /// Returns true if the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 
-    /// Returns true if no further pair is wanted, so that a search in a crowd can end early,
-    /// incomplete. Asked now and then.
+    /// Returns true once no further pair is wanted: there are too many, or nobody waits for the answer any more.
+    /// Searches ask now and then, and end early, incomplete.
     fn gives_up(&self) -> bool {
         false
     }

@@ -40,7 +40,8 @@ fn rough<R: Real>(a: Vector<R>) -> Vector<f32> {
 /// A relative cubic in powers of the centred time `u = 2 s - 1` in -1..=1, times eight.
 ///
 /// The factor saves the divisions; distances are divided by eight at the end. Around the middle
-/// the coefficients are as small as they get (`numerics`: 5 M in sum for a polygon within M).
+/// the coefficients are as small as they get. For control points within M of the origin, their norms
+/// are at most M, 3/2 M, 3/2 M and M, without the factor: 5 M in sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CentredCubic<R> {
     pub(crate) coefficients: [Vector<R>; 4],

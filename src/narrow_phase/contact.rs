@@ -11,7 +11,8 @@ use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 
-/// A solved pair of spheres over a span: contacts at any margin and window need no more roots.
+/// A pair of spheres whose distance over a span is solved: contacts at any margin and window follow without a search for
+/// stationary points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolvedSpan {
     span: Span,
@@ -149,18 +150,18 @@ fn solved_contacts(
     pair: &SpherePair,
     span: Span,
     margin: f64,
-    clip_and_known: ((f64, f64), FoundContact),
+    clip_and_before: ((f64, f64), FoundContact),
     found: &mut Vec<Contact>,
 ) {
     if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
-        pair.contacts(&profile, span, margin, clip_and_known, found);
+        pair.contacts(&profile, span, margin, clip_and_before, found);
     }
 }
 
-/// Returns what is known of a contact, its interval (s) and separation (m), with what more contacts add to it; or
-/// the last one of them that does not touch it.
-fn with_more(known: FoundContact, more: &[Contact]) -> FoundContact {
-    more.iter().fold(known, |((from, to), least), contact| {
+/// Returns a contact found before, joined with those of more contacts that touch it. If one does not touch it, that
+/// one takes its place.
+fn with_more(before: FoundContact, more: &[Contact]) -> FoundContact {
+    more.iter().fold(before, |((from, to), least), contact| {
         let (interval, separation) = ((contact.enter, contact.exit), contact.closest.separation);
         if interval.0 <= to && interval.1 >= from {
             let joined = (from.min(interval.0), to.max(interval.1));
@@ -182,11 +183,11 @@ fn contacts_of_many(
     found: &mut Vec<Contact>,
 ) {
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        let mut known = NOTHING_FOUND;
+        let mut before = NOTHING_FOUND;
         turning.each_within(margin, clip, |pair, part| {
             let count = found.len();
-            solved_contacts(pair, part, margin, (clip, known), found);
-            known = with_more(known, &found[count..]);
+            solved_contacts(pair, part, margin, (clip, before), found);
+            before = with_more(before, &found[count..]);
         });
         return;
     }
@@ -212,7 +213,7 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    let mut known = NOTHING_FOUND;
+    let mut before = NOTHING_FOUND;
     for SolvedSpan {
         span,
         pair,
@@ -220,8 +221,8 @@ pub(crate) fn contacts_of<'s>(
     } in solved
     {
         let count = found.len();
-        pair.contacts(profile, *span, margin, (clip, known), found);
-        known = with_more(known, &found[count..]);
+        pair.contacts(profile, *span, margin, (clip, before), found);
+        before = with_more(before, &found[count..]);
     }
     join(found, first);
 }

@@ -5,8 +5,8 @@ use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
 
 /// Control heights of the squared distance over a span. The unit is a power of two for which the
-/// largest norm of a control point lies in [1, 2): no height exceeds 4, and each has an error of at
-/// most 7 roundings of that (numerics, section 5).
+/// largest norm of a control point lies in [1, 2), so no height exceeds 4. Each height has an error of
+/// at most 7 roundings of that: three of a scalar product, four of the weighted mean of two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SquaredDistance {
     heights: [f64; 7],

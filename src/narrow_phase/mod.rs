@@ -37,7 +37,7 @@ use crate::trajectory::Segment;
 use glam::DVec3;
 use std::borrow::Cow;
 
-/// A body as the narrow phase sees it.
+/// References to all of a body that the narrow phase reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyView<'a> {
     /// Knots k and k + 1 are the ends of cubic k.
@@ -135,7 +135,8 @@ pub(crate) fn pair_error(a: f64, b: f64) -> f64 {
     if a + b > 0.0 { sum_above(a, b) } else { 0.0 }
 }
 
-/// Returns the separation within which two bodies of this model error may be within the margin, m.
+/// Returns the margin plus the sum of two bodies' model errors, rounded up, m: the largest separation of the
+/// splines at which the bodies may be within the margin.
 #[inline]
 pub(crate) fn widened(margin: f64, model_error: f64) -> f64 {
     if model_error > 0.0 {

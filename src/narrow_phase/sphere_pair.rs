@@ -111,14 +111,14 @@ impl SpherePair {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
-    /// Appends the contacts in a window. Of what lies in a known interval (s), contacts whose separation is above
-    /// the known one (m) may lack something, as [stretches](DistanceProfile::stretches).
+    /// Appends the contacts in a window, given a contact found before. Contacts with a larger separation may lack the
+    /// part that this one covers: see [`stretches`](DistanceProfile::stretches).
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
         span: Span,
         margin: f64,
-        (clip, (known, separation)): ((f64, f64), FoundContact),
+        (clip, (covered, separation)): ((f64, f64), FoundContact),
         found: &mut Vec<Contact>,
     ) {
         let radius = self.radius(margin);
@@ -132,7 +132,7 @@ impl SpherePair {
         profile.stretches(
             &self.cubic,
             radius,
-            (clip, (known, nearest)),
+            (clip, (covered, nearest)),
             |(enter, exit), closest| {
                 found.push(Contact {
                     enter,

@@ -21,9 +21,10 @@ pub(crate) struct ProfilePoint {
     pub(crate) plateau: f64,
 }
 
-/// The distance at a span's ends and stationary points; monotonic in between.
+/// The course of the distance over a span: its values at the nodes, and monotonic between neighbouring ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceProfile {
+    /// The ends of the span, and the stationary points between them.
     nodes: [ProfileNode; MAX_STATIONARY + 2],
     count: usize,
     /// Rounding of a constant distance, as [`ProfilePoint::plateau`].
@@ -211,13 +212,14 @@ impl DistanceProfile {
     /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
     /// Distances within rounding of the radius count.
     ///
-    /// A stretch that is nowhere as near as `nearest` (m) may end too early or begin too late within `known` (s): what
-    /// lies between its end and the next node inside may be left out there.
+    /// `covered` (s) is the interval of a contact found before, and `nearest` (m) its least centre distance. A stretch
+    /// that is nowhere as near may end too early, or begin too late, within `covered`: the part between its end and
+    /// the next node inside may be missing. The contact found before contains that part.
     pub(crate) fn stretches(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
-        ((from, to), (known, nearest)): ((f64, f64), FoundContact),
+        ((from, to), (covered, nearest)): ((f64, f64), FoundContact),
         mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
@@ -235,7 +237,7 @@ impl DistanceProfile {
             }
             let last = k;
             k += 1;
-            // Crossings lie between nodes: those beyond the window need not be known.
+            // Crossings lie between nodes: those beyond the window need not be solved.
             let (before, after) = (first.checked_sub(1).map(|k| &nodes[k]), nodes.get(k));
             if before.is_some_and(|node| node.time > to)
                 || after.is_some_and(|node| node.time < from)
@@ -244,12 +246,12 @@ impl DistanceProfile {
             }
             let least = nodes[first..=last].iter().map(|node| node.distance);
             let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
-            let known = if least > nearest {
-                known
+            let covered = if least > nearest {
+                covered
             } else {
                 NOTHING_FOUND.0
             };
-            let end = |nodes| end_of_stretch(cubic, radius, nodes, known);
+            let end = |nodes| end_of_stretch(cubic, radius, nodes, covered);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
                 Some(outside) if first.time > from => end([first, outside]),
@@ -283,10 +285,11 @@ impl ProfilePoint {
     }
 }
 
-/// An interval (s), and a distance (m).
+/// A contact that was found before, of other spheres or in another span of the same two bodies: its interval (s), and
+/// its separation or centre distance (m).
 pub(super) type FoundContact = ((f64, f64), f64);
 
-/// An interval in which nothing lies.
+/// No contact found before: an empty interval.
 pub(super) const NOTHING_FOUND: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
 
 /// Returns the end of a stretch between two nodes: the [crossing], or the instant of the node inside if the
@@ -299,7 +302,7 @@ fn end_of_stretch(
 ) -> f64 {
     /// Rounding of an instant's parameter, and of a parameter's instant but for that to the nearest number.
     const ROUNDING: f64 = 16.0 * UNIT_ROUNDOFF;
-    let is_known = |node: &ProfileNode| from <= node.time && node.time <= to;
+    let is_covered = |node: &ProfileNode| from <= node.time && node.time <= to;
     // The distance falls from the outside to the inside: a crossing lies beyond what is certainly outside.
     let lies_beyond_end = || {
         let (s, low, high) = if outside.s < inside.s {
@@ -310,7 +313,7 @@ fn end_of_stretch(
         // Twice for the rounding of this distance and of the crossing's, and as much to spare.
         low < s && s < high && cubic.distance(s) > radius + 4.0 * cubic.tolerance()
     };
-    if is_known(inside) && (is_known(outside) || lies_beyond_end()) {
+    if is_covered(inside) && (is_covered(outside) || lies_beyond_end()) {
         inside.time
     } else {
         crossing(cubic, radius, inside, outside)

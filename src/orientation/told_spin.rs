@@ -1,4 +1,4 @@
-//! Spins that are given frame by frame: a body follows them without new memory.
+//! Spins that are told each frame: a body follows them without new memory.
 
 use super::Orientation;
 use super::arc::Arc;
@@ -10,7 +10,7 @@ use crate::rounding::one_zero;
 use crate::simd::prefetch;
 use glam::{DQuat, DVec3};
 
-/// The numbers of an [`Orientation::spin`], checked.
+/// A checked spin: a rotation at an instant, and a constant angular velocity. See [`Orientation::spin`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToldSpin {
     time: f64,

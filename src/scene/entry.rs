@@ -91,7 +91,7 @@ fn lines_for(trajectory: &Trajectory) -> usize {
 #[derive(Debug)]
 pub(crate) struct SceneEntry {
     pub(crate) body: Body,
-    /// The summary of a plan. Beside the record: straight motions need none.
+    /// The summary of a plan, allocated on its own: straight motions need none.
     summary: OnceLock<Box<(MotionSummary, CompactStorage)>>,
 }
 
@@ -191,8 +191,8 @@ impl SceneEntry {
         &self.body.trajectory
     }
 
-    /// Replaces a motion that is [replaced as usual](Trajectory::replace_checked). A trajectory of
-    /// straight motions has no summary that could be out of date.
+    /// Replaces the motion: see [`Trajectory::replace_checked`]. A trajectory of straight motions has no
+    /// summary that could be out of date.
     #[inline]
     pub(super) fn replace_checked(
         &mut self,

@@ -29,8 +29,8 @@ impl Scene {
         }
     }
 
-    /// Returns the separation within which the bodies of two slots may be within a margin (m), by
-    /// their model errors.
+    /// Returns a margin (m) plus the model errors of the bodies of two slots: the largest separation of the
+    /// splines at which the bodies may be within the margin.
     pub(crate) fn widened(&self, (a, b): (u32, u32), margin: f64) -> f64 {
         if !self.kinds.has_model_errors {
             return margin;

@@ -1,20 +1,23 @@
 //! Bodies that cannot be part of any pair: no boxes are formed for them.
+//!
+//! A partner of a body is another body with which it may be a pair, by the layers of both. Bodies with the same layers
+//! are of one kind, and have partners or not together.
 
 use super::body::Body;
 use crate::layers::Layers;
 use crate::rounding::UNIT_ROUNDOFF;
 use std::collections::BTreeMap;
 
-/// The kinds of bodies in a scene: counts by layers, and the largest radius.
+/// The kinds of bodies in a scene: the number of bodies with each layers, and the largest radius.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kinds {
-    /// Number of bodies by membership and filter, and true if any body is a partner.
+    /// By membership and filter of a kind: the number of bodies, and true if they have a partner.
     layers: BTreeMap<(u32, u32), (usize, bool)>,
     /// Upper bound of the radii of all bodies so far, m.
     largest: f64,
     /// True if a body so far had a model error.
     pub(super) has_model_errors: bool,
-    /// Changes when layers get their first partner or lose the last one.
+    /// Changes when a kind gets its first partner or loses the last one.
     version: u64,
 }
 

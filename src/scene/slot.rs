@@ -19,7 +19,7 @@ pub(super) struct SlotKey {
 }
 
 impl Slot {
-    /// Replaces the motion of the body, if there is one, [as usual](Trajectory::replace_checked).
+    /// Replaces the motion of the body, if there is one: see [`Trajectory::replace_checked`].
     #[inline]
     pub(crate) fn replace_checked(
         &mut self,

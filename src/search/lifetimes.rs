@@ -1,4 +1,4 @@
-//! Lifetimes of bodies.
+//! Lifetimes of bodies: the intervals in which they exist.
 
 /// First and last instant of each body, s; most bodies of long recordings exist in few slices.
 #[derive(Clone, Debug, Default)]

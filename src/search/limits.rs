@@ -9,6 +9,7 @@ pub(crate) struct Limits {
     pub(crate) spans: usize,
 }
 
+/// The error of a search that found more than a [limit](Limits) allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LimitExceeded;
 

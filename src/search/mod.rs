@@ -1,4 +1,4 @@
-//! The one funnel from bodies to spans, for screenings and monitors.
+//! The search for spans that may hold a contact, for screenings and monitors.
 //!
 //! Time is cut into slices. In each slice every body has a box and a fat line. Overlapping boxes
 //! give candidates, and cheap tests leave spans of these. Bodies have dense numbers only

@@ -1,4 +1,6 @@
 //! Trajectories: irregular states in, cubic segments out. All validation of motion happens here.
+//!
+//! Words that are used beyond one file are defined in [`internals`](crate::internals), in the order of the data.
 
 mod build;
 mod curves;
@@ -71,10 +73,10 @@ pub struct Trajectory {
 enum Form {
     /// Straight motion for all time, from one state. It takes no memory beside this.
     ///
-    /// Between the two instants (s), a duration of its cubic before the state and one after it, the motion is one
-    /// cubic. Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
+    /// The two instants (s) lie one duration of its cubic before the state, and one after it. Between them the motion
+    /// is one cubic. Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
     Straight(StraightMotion, [f64; 2]),
-    /// A few straight motions, one after another.
+    /// A few straight motions, one after another, of a body whose state is told each frame.
     Recent(Box<RecentMotions>),
     /// Any other motion.
     Lists(SegmentLists),

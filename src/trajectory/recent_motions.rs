@@ -1,4 +1,7 @@
-//! A body that is told a new straight motion again and again: the last few of them, in place.
+//! A body that is told a new straight motion again and again: its last few motions.
+//!
+//! In this file `from` is the instant (s) from which a new motion is followed. Pieces that end before `since` (s) are
+//! dropped: the caller does not ask about the time before.
 
 use super::cuts::DoublingCuts;
 use super::outside::Outside;
@@ -10,9 +13,10 @@ use crate::window::Window;
 use std::iter::once;
 use std::sync::OnceLock;
 
-/// A few straight motions, one after another. They take no memory beside this.
+/// The last few straight motions of a body, one after another. They take no memory beside this.
 ///
-/// The last one is followed for ever. Its first piece after the last knot is one of those that are listed here.
+/// Each motion listed here is one piece. The last motion goes on for ever: only its first piece after the last knot is
+/// listed.
 ///
 /// Four cache lines: these numbers, and one for each motion.
 #[derive(Clone, Debug)]
@@ -105,8 +109,8 @@ impl RecentMotions {
         true
     }
 
-    /// Replaces the motion where the [last one](LastMotion::is_replaced_by) says so: there is room, and the motion so
-    /// far goes on in one piece.
+    /// Replaces the motion, without checks: [`LastMotion::is_replaced_by`] must be true. Then there is room, and the
+    /// motion so far goes on in one piece.
     #[inline]
     pub(super) fn replace_checked(
         &mut self,
@@ -233,8 +237,8 @@ impl RecentMotions {
     }
 }
 
-/// The facts about a body's recent motions that a further one is checked against. They are kept where the monitor
-/// reads them without the motions.
+/// The facts about a body's recent motions that a further one is checked against. The monitor keeps a copy, and so
+/// need not read the motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LastMotion {
     /// There is no room for a further piece until what ends by this instant (s) is forgotten.

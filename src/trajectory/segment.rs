@@ -53,7 +53,9 @@ impl Segment {
         let arrive = second.velocity * duration / 3.0;
         let longest = norm(leave).max(norm(arrive));
         let extent = (norm(end) + longest) * (1.0 + 8.0 * UNIT_ROUNDOFF);
-        // numerics: u S for point 3, 3 u W for point 1, u (2 S + 4 W) for point 2.
+        // With u half a unit in the last place, S the length of `end` and W = `longest`: u S for point 3 (one
+        // difference), 3 u W for point 1 (difference of times, product, quotient), u (2 S + 4 W) for point 2 (both,
+        // and their difference). Each is at most 4 u (S + W).
         let error = 4.0 * UNIT_ROUNDOFF * extent + UNDERFLOW;
         let (interval, points) = ((first.time, second.time), [leave, end - arrive, end]);
         Self::from_parts(interval, first.position, points, (extent, error), knot)
@@ -306,7 +308,7 @@ impl Segment {
         // Power form around the nearer knot, so that the states themselves are met exactly. An end motion has
         // its state at the start: far from there, powers around its other end would cancel and lose the state.
         if self.is_curved() {
-            // A power of two.
+            // A third of the duration: a power of two, unless the end is rounded (see `line`).
             let unit = duration / 3.0;
             let (offset, rate, curve) = powers_at(&self.control_points, (time - self.start) / unit);
             (self.origin + offset, rate / unit, curve / unit / unit)

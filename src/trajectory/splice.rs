@@ -1,4 +1,4 @@
-//! Changes of a plan in flight: the part already old stays, bit for bit.
+//! Changes of a plan from an instant on: the part before that instant stays, bit for bit.
 
 use super::cuts::DoublingCuts;
 use super::recent_motions::{LastMotion, RecentMotions};
@@ -78,8 +78,8 @@ impl Trajectory {
         self
     }
 
-    /// Prepends `old` up to `from` (s) to this plan, in place. Only the part of `old` that
-    /// [`trimmed_before`](Self::trimmed_before) keeps at `since` is copied.
+    /// Prepends `old`, the plan so far, up to `from` (s) to this plan, in place. Pieces that end before `since` (s)
+    /// are not copied, as [`trimmed_before`](Self::trimmed_before) drops them.
     ///
     /// # Errors
     ///
@@ -90,8 +90,8 @@ impl Trajectory {
             return Err(Error::NoPlanAt { time: from });
         }
         let knots_before = count_at_front(self.knots(), |knot| knot <= from);
-        // Flown: whole pieces, then the one that is cut. Beyond its knots a plan goes on along its
-        // end motion, which becomes a piece like any other.
+        // Of the old plan: whole pieces, then the piece that is cut at `from`. Beyond its knots a plan goes on along
+        // its end motion, which becomes a piece like any other.
         let (old_knots, old_segments) = (old.knots(), old.segments());
         let cut = count_at_front(old_knots, |knot| knot < from);
         // The end motion keeps its doubling cuts, so that what is solved there keeps its bits. Without cuts, a cubic
@@ -121,7 +121,7 @@ impl Trajectory {
         let kept = begins.clone().count();
         let own = old_segments.len();
         let old_segments = old_segments[dropped.min(own)..cut.min(own)].iter();
-        // To come: the piece of this plan that holds at `from`, and the rest.
+        // Of this plan: the piece that contains `from`, and all later ones.
         let goes_on = knots_before < self.knots().len();
         let present = match knots_before {
             0 => self.segment_before(),
@@ -198,9 +198,9 @@ impl Trajectory {
             })
     }
 
-    /// Follows the motion so far up to `from` (s), then a straight one: what
-    /// [`precede_by`](Self::precede_by) makes of the other one, in this one's memory. Does nothing where that
-    /// [cannot be done](Self::can_replace).
+    /// Lets the body follow its motion so far up to `from` (s), then a straight one. Pieces that end before `since`
+    /// (s) are dropped. The result is that of [`precede_by`](Self::precede_by), in this trajectory's memory.
+    /// [`can_replace`](Self::can_replace) must be true.
     pub(crate) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         if let Form::Recent(recent) = &mut self.form
             && recent.replace(from, motion, since)
@@ -223,9 +223,8 @@ impl Trajectory {
         }
     }
 
-    /// Replaces the motion as [`replace`](Self::replace) does, where its [last motion](LastMotion::is_replaced_by) says
-    /// that this succeeds, and changes nothing but its own few numbers. That is usual where a state is told each frame.
-    /// Returns the facts that a further motion is checked against.
+    /// Replaces the motion as [`replace`](Self::replace) does, without checks: [`LastMotion::is_replaced_by`] must be
+    /// true. It mostly is where a state is told each frame. Returns the facts that a further motion is checked against.
     #[inline]
     pub(crate) fn replace_checked(
         &mut self,
