@@ -1,4 +1,4 @@
-//! The bodies as searches see them, and their boxes.
+//! The bodies of a monitor in a form for searches, and their boxes.
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
@@ -113,7 +113,7 @@ impl<'m> BodyTable<'m> {
         HeightRange::of(entry, is_extended, interval, normal)
     }
 
-    /// Returns the source of a body's boxes; that of one that never exists if it is part of no pair.
+    /// Returns the source of a body's boxes; without a partner, that of a body that never exists.
     #[inline(always)]
     pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
         let found = self.monitored.with_body(self.scene, slot);

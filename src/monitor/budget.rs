@@ -29,7 +29,9 @@ pub enum Budget {
 #[derive(Debug)]
 pub(super) struct BudgetMeter {
     deadline: Option<Instant>,
+    /// Largest work.
     left: Option<u64>,
+    /// Prescribed end of the known time, s.
     until: Option<f64>,
     done: u64,
 }
@@ -49,7 +51,7 @@ impl BudgetMeter {
         }
     }
 
-    /// Returns the meter of a tick that is to know everything up to `until` (s), and no more.
+    /// Returns the meter of a tick whose known time is to end at `until` (s): for the replay of a tick with a budget.
     pub(super) fn up_to(until: f64) -> Self {
         Self {
             until: Some(until),
@@ -57,12 +59,12 @@ impl BudgetMeter {
         }
     }
 
-    /// Returns the instant up to which everything is to be known, if that was prescribed, s.
+    /// Returns the prescribed end of the known time, s, if there is one.
     pub(super) const fn until(&self) -> Option<f64> {
         self.until
     }
 
-    /// Returns the number of boxes formed and candidates found so far.
+    /// Returns the work counted so far, as in [`Budget::Work`].
     #[cfg(feature = "recording")]
     pub(super) const fn done(&self) -> u64 {
         self.done

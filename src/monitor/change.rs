@@ -275,7 +275,7 @@ impl Monitor {
             Ok(()) => self.take_over(&mut batch),
             Err(error) => Err(error),
         };
-        // What was replaced is dropped with the next tick, beside other work.
+        // The next tick drops what was replaced, while another thread searches.
         self.batch = batch;
         ids
     }
@@ -357,10 +357,10 @@ impl Monitor {
 
     fn unignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
         self.scene.unignore_pair(a, b)?;
-        // Either will do: the one that costs less to look for.
+        // Either body will do: the one that costs less to compare.
         let cost = |id| {
             let hitbox = self.scene.body(id).map(|body| &body.hitbox);
-            // For a half-space all bodies are looked at.
+            // A half-space is compared with all bodies.
             hitbox.map(|hitbox| (hitbox.is_half_space(), hitbox.spheres().len()))
         };
         let simpler = if cost(a) <= cost(b) { a } else { b };
@@ -379,7 +379,7 @@ impl Monitor {
         })
     }
 
-    /// Prepares all bodies for a search that knows none yet.
+    /// Adds all bodies of the scene to a search without bodies.
     pub(super) fn lay_out(&mut self) -> Result<(), Error> {
         let context = self.change_context()?;
         let bodies = self.scene.bodies();
@@ -441,7 +441,8 @@ impl Monitor {
         self.renew(other)
     }
 
-    /// Turns a body's plan, which must allow it, to a straight motion from an instant (s) on.
+    /// Lets a body follow a straight motion from an instant (s) on, in the memory of its plan:
+    /// [`Trajectory::can_replace`] must be true.
     pub(super) fn replace_motion(
         &mut self,
         id: BodyId,

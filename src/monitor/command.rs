@@ -72,9 +72,9 @@ impl ChangeContext<'_> {
         monitored.map_err(|error| error.in_body(tag))
     }
 
-    /// Returns the instant from which a body follows a plan requested from `from` on, s. If `from`
-    /// is past, that is the first instant at which both the plan and the body's past motion are
-    /// known.
+    /// Returns the instant from which a body follows a plan requested from `from` on, s. If `from` lies
+    /// before the clock, the plan is late: it is followed from the first instant at which both the plan and the
+    /// body's old motion exist.
     ///
     /// # Errors
     ///
@@ -94,8 +94,8 @@ impl ChangeContext<'_> {
         if old.domain().contains(self.now) && !plan.goes_on_from(self.now) {
             return Err(Error::NoPlanAt { time: self.now });
         }
-        let known = old.domain().start().max(plan.domain().start());
-        Ok(from.max(known).min(self.now))
+        let both_exist = old.domain().start().max(plan.domain().start());
+        Ok(from.max(both_exist).min(self.now))
     }
 
     /// Returns the monitored body of a body with its current plan.
@@ -124,7 +124,7 @@ pub(super) enum PairRule {
     Unignored,
 }
 
-/// The replaced parts of a body.
+/// The parts of a body that a batch replaces.
 #[derive(Debug)]
 pub(super) struct PendingChange {
     pub(super) id: BodyId,
@@ -143,7 +143,7 @@ pub(super) struct PendingChange {
     /// Numbers of the first and the last command that concern the body.
     first: usize,
     last: usize,
-    /// The body as the search sees it; none once taken, and for removed bodies.
+    /// The monitored body with these parts; none once taken, and for removed bodies.
     pub(super) monitored: Option<MonitoredBody>,
     refusal: Option<Rejection>,
 }
@@ -314,8 +314,8 @@ impl CommandBatch {
     ) -> Result<(), Error> {
         for id in [a, b] {
             let place = self.place_of.get(id.slot as usize);
-            let known = place.and_then(|&place| self.changed.get(place));
-            if known.is_some_and(|known| known.id == id && known.is_removed) {
+            let change = place.and_then(|&place| self.changed.get(place));
+            if change.is_some_and(|change| change.id == id && change.is_removed) {
                 return Err(Error::UnknownBody { id });
             }
         }
@@ -337,8 +337,8 @@ impl CommandBatch {
         }
         let place = self.place_of.get_mut(id.slot as usize);
         let place = place.ok_or(Error::UnknownBody { id })?;
-        let known = self.changed.get(*place);
-        if known.is_none_or(|known| known.id != id) {
+        let change = self.changed.get(*place);
+        if change.is_none_or(|change| change.id != id) {
             *place = self.changed.len();
             self.changed.push(PendingChange::nothing(id, command));
         }

@@ -1,6 +1,6 @@
 //! Due instants of bodies.
 
-/// An instant for each slot, or none.
+/// The instant at which the body in each slot is due for some work; none for slots that are never due.
 #[derive(Debug, Default)]
 pub(super) struct DueTimes {
     /// Instant at which each slot is due, s; infinite if never.

@@ -26,7 +26,7 @@ pub(super) struct PlannedEncounter {
     pub(super) exit: f64,
     /// True if the exit is the end of the known time.
     pub(super) open: bool,
-    /// True if the exit is the end of a trajectory.
+    /// True if the exit is the end of a body's trajectory.
     pub(super) with_trajectory: bool,
     pub(super) closest: ClosestApproach,
     /// Closest approach up to the clock, if it has begun by then.
@@ -132,9 +132,9 @@ pub(super) struct EncounterTracker {
     level: usize,
     /// Encounters; of one pair in the order of time.
     tracked: SortedSlab<SlotPair, TrackedEncounter>,
-    /// Pairs of which some lie beyond what is known and were not found again, sorted.
+    /// Pairs with a tracked encounter that begins beyond the known time, and was not found again, sorted.
     waiting: Vec<SlotPair>,
-    /// Pairs that the last update was about, sorted.
+    /// Pairs that the last update replaced, sorted.
     updated: Vec<SlotPair>,
 }
 
@@ -302,7 +302,7 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
         return order;
     }
     let old_is_over = if old.begun {
-        // Where the last tick stood it was under way: so it is still, or plans have changed.
+        // It was under way when the last tick reported: so it is still, or plans have changed.
         new.start > tick.before
     } else {
         // An open encounter has no known exit: it may last until the new one.
@@ -345,10 +345,10 @@ fn unmatched(
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
     if !old.begun && old.now.enter > tick.known {
-        // Beyond what is known nothing is said: it waits.
+        // Nothing is known about it: it waits.
         return Some(*old);
     }
-    // A change takes effect where the last tick stood: what had been reported by then stays.
+    // A change takes effect at the instant up to which the last tick reported: these events stay.
     let time = if old.begun { tick.before } else { tick.now };
     events.push(over_at(old, time, EndReason::PlanChanged));
     None

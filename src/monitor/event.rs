@@ -106,7 +106,7 @@ pub enum EndReason {
     Separated,
     /// One of the trajectories ended.
     TrajectoryEnded,
-    /// A changed plan, hitbox or layer ended it, or the pair is now ignored.
+    /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored.
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,

@@ -1,4 +1,4 @@
-//! The frame of a monitor and its slices of time: as they suit its scene.
+//! The grid of a monitor: the frame of its boxes, and its slices of time. Both are chosen for its scene.
 
 use crate::bounds::{DAabb, Frame, MovingFrame};
 use crate::error::Error;
@@ -19,7 +19,7 @@ pub(super) struct Grid {
     pub(super) search_length: f64,
     /// Number of slices that make up the lookahead.
     pub(super) slice_count: f64,
-    /// Signature of the scene when that was chosen.
+    /// Estimate of the scene when the grid was chosen.
     estimate: SceneEstimate,
 }
 
@@ -140,7 +140,7 @@ impl Grid {
     ) -> Result<Self, Error> {
         let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin);
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
-        // Whole: else part of the next one would be due with the first tick.
+        // A whole number: else part of the next slice would be due at the first tick.
         let slice_count = Self::number(cheapest, scene.len()).round();
         let velocity = scene.common_velocity((origin, origin + lookahead));
         let estimate = SceneEstimate::of(scene, margin, (origin, lookahead), velocity);
@@ -179,7 +179,7 @@ impl Grid {
         self.origin + self.length * slice as f64
     }
 
-    /// Returns true if the grid still suits a scene as it is now.
+    /// Returns true if the grid still suits a scene, given an estimate of the scene as it is now.
     pub(super) fn suits(&self, scene: &Scene, margin: f64, estimate: &SceneEstimate) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
@@ -190,7 +190,7 @@ impl Grid {
         is_alike && frame.suits(estimate.middle, estimate.middle, margin.abs())
     }
 
-    /// Returns true if it serves a scene about as well as another one that was chosen for it.
+    /// Returns true if the grid serves a scene about as well as another grid that was chosen for it.
     pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
         let is_alike = self.slice_count <= 1.5 * other.slice_count
             && other.slice_count <= 1.5 * self.slice_count;
@@ -203,21 +203,21 @@ impl Grid {
         self.estimate = other.estimate;
     }
 
-    /// Returns true if it would have far too many boxes for a scene: one that has grown.
+    /// Returns true if the grid has far too many boxes for a scene, which has grown.
     #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
         self.slice_count > Self::FEWEST
             && self.slice_count * scene.len() as f64 > 2.0 * Self::MAX_BOXES
     }
 
-    /// Returns true if its slices can be told apart on a clock that shows `now` (s), with bits to spare; the
-    /// fewest there can be need none.
+    /// Returns true if f64 resolves at least 4,096 instants in a slice on a clock that shows `now` (s). A grid
+    /// with the fewest slices always passes: there is no coarser one.
     pub(super) fn has_room(&self, now: f64) -> bool {
         self.slice_count <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
     }
 }
 
-/// Returns true if slices of this length (s) can be told apart on a clock that shows `time` (s).
+/// Returns true if f64 resolves slices of this length (s) on a clock that shows `time` (s).
 pub(super) fn can_tell_apart(time: f64, length: f64) -> bool {
     length > 4.0 * f64::EPSILON * time.abs()
 }

@@ -25,9 +25,9 @@ pub(super) struct HalfSpaceSearch {
     ground: Vec<Option<HeightRange>>,
     /// Instant up to which each body is compared, s: it is due again then.
     due: DueTimes,
-    /// Slots to be compared again, and the instants up to which they are compared, s.
+    /// Slots that are due: the instants up to which they are compared (s), and the slots. Memory of [`look`](Self::look).
     taken: Vec<(f64, u32)>,
-    /// Slots to be compared from the clock on, and where the next one is in this list.
+    /// Slots to be compared from the clock on, and the place of the next one in this list.
     to_compare: Vec<u32>,
     next: usize,
 }
@@ -67,7 +67,7 @@ impl HalfSpaceSearch {
     }
 
     /// Lists the spans that are not listed yet in which a half-space and another body may be in
-    /// contact from `from` to `to` (s), as far as the meter lets. `ahead` is an instant up to which
+    /// contact from `from` to `to` (s), until the budget is spent. `ahead` is an instant up to which
     /// turning bodies are solved (s). Returns the instant up to which all are listed.
     pub(super) fn look<F: PairFilter>(
         &mut self,

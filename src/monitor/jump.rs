@@ -16,7 +16,7 @@ use crate::spans::SpanKey;
 use crate::stats::Stats;
 use crate::window::Window;
 
-/// A search over the time between the slices that are there and the present.
+/// A search over the time between the existing slices and the clock.
 #[derive(Debug, Default)]
 pub(super) struct JumpSearch {
     /// State of the search; none if nothing is left to search.
@@ -46,8 +46,8 @@ impl JumpSearch {
         self.progress.is_some() || to - from > Self::FEW * length
     }
 
-    /// Goes on from `from` to `to` (s) as far as the meter lets, in slices of `length` s at first. Appends the
-    /// spans found, and adds the work. Returns where it had to stop, none if it is across.
+    /// Searches on from `from` to `to` (s) until the budget is spent, in slices of `length` s at first. Appends the
+    /// spans found, and adds the work. Returns the instant at which the search had to stop, s; none if it is done.
     ///
     /// # Errors
     ///
@@ -70,7 +70,7 @@ impl JumpSearch {
         } else {
             1
         };
-        // Not beyond what is known after this tick: what changes then is looked for from there on.
+        // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
         let until = meter.until().unwrap_or(f64::INFINITY);
         while progress.at < to {
             if meter.is_spent() || progress.at >= until {

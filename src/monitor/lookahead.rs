@@ -2,11 +2,14 @@
 //!
 //! The lookahead is cut into slices on a fixed grid of time. A slice knows the boxes of all bodies
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
-//! slices in the order of time, so that what is known is always complete up to some instant. The
-//! slice that comes next is compared as time passes, a share with each tick, so that no tick takes
-//! much longer than others. (Later, and in fewer ticks, where many plans change: see [`due_ahead`].) Where the
-//! clock has jumped far, what it passed over is [searched](JumpSearch) once. Where most is to be compared with
-//! most, all of the lookahead is searched from nothing, and slices have no boxes until few bodies change.
+//! slices in the order of time, so that what is known is always complete up to some instant. Slices
+//! that overlap the lookahead are needed. The slice after them is compared as time passes, a share with
+//! each tick, so that no tick takes much longer than others. (Later, and in fewer ticks, where many plans
+//! change: see [`due_ahead`].)
+//!
+//! A search from nothing forms boxes of all bodies, and keeps none. There are two of them. If the clock has
+//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If most bodies have changed, all of
+//! the lookahead is, and slices have no boxes until few bodies change.
 
 mod ahead;
 mod ask;
@@ -53,9 +56,11 @@ pub(super) struct LookaheadSearch {
     pub(super) grid: Grid,
     /// Slices of the lookahead, and the next one.
     slices: VecDeque<LookaheadSlice>,
+    /// Unused slices: their memory is reused.
     spare: Vec<LookaheadSlice>,
     jump: JumpSearch,
     half_spaces: HalfSpaceSearch,
+    /// Spans that cheap tests have left: to be solved.
     survivors: Vec<SpanKey>,
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
@@ -64,9 +69,11 @@ pub(super) struct LookaheadSearch {
     /// Bodies that changed since the last catching up, each once.
     changed: Vec<u32>,
     is_changed: Vec<bool>,
+    /// Boxes of these bodies, for questions between ticks.
     recent: RecentChanges,
-    /// Pairs that are ignored since then.
+    /// Pairs that are ignored since the last catching up.
     left_out: Vec<SlotPair>,
+    /// Boxes of changed bodies in all slices.
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
     ends: Vec<f64>,
@@ -81,7 +88,7 @@ pub(super) struct LookaheadSearch {
 }
 
 impl LookaheadSearch {
-    /// Number of changes, above that of bodies, that is not too large.
+    /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
 
     /// Returns a search for pairs within `margin` (m) on a grid, with room for so many spans.
@@ -113,12 +120,12 @@ impl LookaheadSearch {
         }
     }
 
-    /// Returns a search that knows no body, on another grid maybe.
+    /// Returns a search without bodies, on a grid.
     pub(super) fn renewed(&self, grid: Grid) -> Self {
         Self::new(self.margin, grid, self.max_spans)
     }
 
-    /// Returns true if anything has changed since.
+    /// Returns true if anything has changed since the last catching up.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.changed.is_empty() && self.left_out.is_empty())
     }
@@ -211,7 +218,7 @@ impl LookaheadSearch {
         count
     }
 
-    /// Drops what was found of changed bodies: once for all of them.
+    /// Drops the solved spans of all changed bodies, in one pass.
     fn spread_changes(&mut self) {
         if !self.has_changed() {
             return;
@@ -242,8 +249,8 @@ impl LookaheadSearch {
         self.monitored.extend_beyond(scene, end)
     }
 
-    /// Brings the slices from `from` to `to` up to date, soonest first, as far as the meter lets.
-    /// Returns the instant up to which everything is known.
+    /// Brings the slices from `from` to `to` (s) up to date, soonest first, until the budget is spent. Returns the
+    /// instant up to which everything is known.
     ///
     /// # Errors
     ///
@@ -294,8 +301,9 @@ impl LookaheadSearch {
         BodyTable::of(scene, &self.monitored, &self.grid, self.margin)
     }
 
-    /// Looks at what is not up to date from `from` to `to`: lists survivors, as many as are solved at a time.
-    /// Returns how far all is, and whether all was looked at that the meter lets.
+    /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. Lists survivors, as
+    /// many as are solved at a time. Returns the instant up to which all is up to date, and false if another call is to
+    /// go on once these survivors are solved.
     fn look<F: PairFilter>(
         &mut self,
         scene: &Scene,
@@ -330,8 +338,8 @@ impl LookaheadSearch {
         self.refresh(scene, (from, to), needed, filter, meter, stats)
     }
 
-    /// Compares what has not been compared in each slice from `from` to `to`, and what is due of the next
-    /// one.
+    /// Compares what has not been compared in each slice from `from` to `to` (s), and what is due of the next
+    /// one. The first `needed` slices are needed.
     fn refresh<F: PairFilter>(
         &mut self,
         scene: &Scene,
@@ -349,7 +357,7 @@ impl LookaheadSearch {
             limits: self.limits(),
         };
         let slices = self.slices.make_contiguous();
-        // What is reported at its very start may be found in a slice.
+        // An instant that is reported as the start of a slice may be found in that slice.
         let before = |slice: &LookaheadSlice| {
             let start = self.grid.start(slice.number).max(from);
             earliest_exact(start).next_down().max(from).min(to)
@@ -379,7 +387,7 @@ impl LookaheadSearch {
             parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |_, slices| {
                 for slice in slices {
                     if found.load(Relaxed) > most {
-                        // These are solved first: there may be no room for more.
+                        // The survivors found so far are solved first: there may be no room for more.
                         return;
                     }
                     let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
@@ -454,7 +462,8 @@ impl LookaheadSearch {
     }
 }
 
-/// Appends to what is a set; now and then each is kept once, so that it does not grow without end.
+/// Appends a value to a list that stands for a set. Now and then duplicates are removed, so that the list does not grow
+/// without end.
 pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
     const MANY: usize = 1024;
     list.push(value);

@@ -1,4 +1,6 @@
 //! A clock, a lookahead, plans that change, and events. [`Monitor`] has the guarantees.
+//!
+//! Words that are used beyond one file are defined in [`internals`](crate::internals).
 
 mod alert_level;
 mod bodies;
@@ -138,25 +140,29 @@ pub struct Monitor {
     conflicts: Vec<Vec<Conflict>>,
     now: f64,
     lookahead: f64,
-    /// Instant up to which clock events have been reported, s.
+    /// Instant up to which the last tick reported events, s: the clock, unless a budget ran out before.
     reported: f64,
-    /// Instant up to which all is known, s.
+    /// End of the known time at the last tick, s: up to there all spans were found and solved.
     known: f64,
+    /// Time for which plans are kept after they were followed, s.
     history: f64,
     revision_threshold: RevisionThreshold,
     next_id: u64,
-    /// Events of changes before the last tick that could be reported.
+    /// Events of removals: the next tick reports them.
     pending_events: Vec<Event>,
-    /// Slots of bodies that were taken out since.
+    /// Slots of bodies that were removed since the last tick, and whose encounters have not ended yet.
     removed: Vec<u32>,
     /// Ends of plans that are still to be reported.
     plan_ends: DueTimes,
     stats: Stats,
+    /// Number of changes of bodies since the last tick.
     changed_bodies: u64,
     reschedule: RescheduleTrigger,
+    /// The last batch of changes: the next tick drops what it has replaced.
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
     told: ToldMotions,
+    /// Conflicts and planned encounters as they were read last.
     readings: LevelCaches,
     /// Set from another thread to have a tick end early, as if its budget were spent.
     interrupt: Option<Arc<AtomicBool>>,
@@ -164,14 +170,14 @@ pub struct Monitor {
     recorder: Option<recording::RecordWriter>,
 }
 
-/// Layers and ignored pairs, by slot.
+/// The filter of pairs of slots, by layers and ignored pairs.
 struct SlotAdmission<'s> {
     scene: &'s Scene,
     /// The widest margin, m.
     margin: f64,
     /// True if each two bodies may be a pair.
     admits_all: bool,
-    /// Set when nobody waits for the answer any more.
+    /// Set from another thread to end the tick early: the filter gives up then.
     interrupt: Option<&'s AtomicBool>,
 }
 
@@ -325,9 +331,9 @@ impl Monitor {
     /// but at least 2^22. If all bodies are in one place, all pairs count: a tick then ends with
     /// [`Error::TooCrowded`] instead of filling the memory.
     ///
-    /// The tick after such an error looks at everything anew. Before it, remove bodies, ignore pairs, use
-    /// layers, or raise the limit. Past too many encounters the clock gets in several shorter
-    /// steps.
+    /// The tick after such an error searches the whole lookahead again. Before it, remove bodies, ignore pairs, use
+    /// layers, or raise the limit. If a jump of the clock passes over too many encounters, move the clock in
+    /// several shorter steps.
     pub fn set_max_spans(&mut self, limit: usize) {
         self.search.max_spans = limit;
         #[cfg(feature = "recording")]
@@ -364,7 +370,7 @@ impl Monitor {
         self.now
     }
 
-    /// Returns the instant up to which nothing was missing at the last tick, s: the end of the lookahead,
+    /// Returns the instant up to which the last tick has found everything, s: the end of the lookahead,
     /// unless a budget ran out.
     #[must_use]
     pub const fn complete_until(&self) -> f64 {

@@ -1,4 +1,5 @@
-//! Bodies as the search sees them, by slot: their plans as far as the lookahead reaches.
+//! Monitored bodies: facts about each body's plan and hitbox, by slot. Plans without end are followed as far as the
+//! lookahead reaches, and some way beyond.
 
 use crate::bounds::{Frame, Padding};
 use crate::error::Error;
@@ -18,19 +19,22 @@ use std::slice::from_ref;
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct MonitoredBody {
+    /// Start of the monitor's window when the plan was set, s.
     begin: f64,
-    /// First and last instant of the knots, or of the pieces beyond them, s.
+    /// First and last instant of the plan's knots and of the pieces beyond them, s.
     ends: (f64, f64),
+    /// Facts about the last of several straight motions.
     last: LastMotion,
     /// Number of the plan's own cubics.
     cubics: u32,
-    /// Numbers of the pieces before and after the knots, where the body exists there and the monitor's window reaches
-    /// it. They begin with that window at the time the plan was set, so that they stay as its end moves on.
+    /// Numbers of the pieces before and after the knots that are followed. They cover the monitor's window from `begin`
+    /// on, so that pieces keep their numbers as the window moves.
     beyond: (u32, u32),
+    /// True if pieces beyond the knots are followed.
     is_extended: bool,
-    /// True if the plan goes on beyond the last of these instants.
+    /// True if the plan goes on beyond the second of `ends`.
     is_endless: bool,
-    /// True if the body may be part of a pair of boxes.
+    /// True if the body has a partner: it may be part of a pair of boxes.
     pub(super) has_partner: bool,
     is_half_space: bool,
     pub(super) padding: Padding,
@@ -67,7 +71,7 @@ impl MonitoredBody {
         self.take_knots(trajectory, window);
         self.last = trajectory.last_motion();
         if self.ends.0 < window.start() && window.end() < self.ends.1 {
-            // Its own cubics serve.
+            // The plan's own cubics cover the window.
             self.is_endless = trajectory.outside_after() != Outside::Absent;
             return Ok(());
         }
@@ -112,8 +116,8 @@ impl MonitoredBody {
         !self.is_extended && self.last.is_replaced_by(motion, times, self.ends, window)
     }
 
-    /// Follows a plan without end up to an instant (s), and far beyond it if it is left before and that can be
-    /// done.
+    /// Follows a plan beyond its knots up to an instant (s), if its knots do not reach that far; and then far beyond
+    /// it, if numbers allow that.
     fn follow(&mut self, trajectory: &Trajectory, end: f64) -> Result<(), Error> {
         /// Windows that are followed ahead: pieces get twice as long from one to the next.
         const AHEAD: f64 = 1024.0;
@@ -275,12 +279,12 @@ impl MonitoredBodies {
         }
     }
 
-    /// Returns what is known of all bodies, by slot, and up to where all those that exist for ever are followed, s.
+    /// Returns the facts about all bodies, by slot, and the instant up to which all plans without end are followed, s.
     pub(super) fn by_slot_mut(&mut self) -> (&mut [Option<MonitoredBody>], &mut f64) {
         (&mut self.by_slot, &mut self.until)
     }
 
-    /// Notes which bodies may be part of a pair; returns true if that has changed for the one in a slot.
+    /// Notes if the body in a slot has a partner; returns true if that has changed.
     pub(super) fn set_partner(&mut self, slot: u32, has_partner: bool) -> bool {
         let monitored = self.by_slot.get_mut(slot as usize);
         monitored.and_then(Option::as_mut).is_some_and(|monitored| {
@@ -288,7 +292,7 @@ impl MonitoredBodies {
         })
     }
 
-    /// Returns the slots of bodies that are part of no pair.
+    /// Returns the slots of bodies without a partner.
     pub(super) fn without_partner(&self) -> impl Iterator<Item = u32> {
         let by_slot = (0_u32..).zip(&self.by_slot);
         by_slot.filter_map(|(slot, monitored)| {
@@ -297,8 +301,8 @@ impl MonitoredBodies {
         })
     }
 
-    /// Returns when the bodies in some slots exist that may be part of a pair, s, with the number of their cubics;
-    /// never, and none, in a slot without one.
+    /// Returns, for each of some slots, the interval in which its body exists (s), and the number of its cubics. The
+    /// interval is empty without a body, or if the body has no partner.
     pub(super) fn present(&self, slots: Range<usize>) -> impl Iterator<Item = ((f64, f64), u32)> {
         self.by_slot[slots].iter().map(|monitored| {
             let Some(monitored) = monitored else {
@@ -313,7 +317,7 @@ impl MonitoredBodies {
         })
     }
 
-    /// Returns when each body exists that may be part of a pair, s; never in a slot without one.
+    /// Returns the interval in which the body in each slot exists (s): see [`present`](Self::present).
     pub(super) fn lives(&self) -> impl Iterator<Item = (f64, f64)> {
         self.present(0..self.len()).map(|(life, _)| life)
     }
@@ -323,14 +327,14 @@ impl MonitoredBodies {
         self.present(0..self.len()).map(|(_, cubics)| cubics)
     }
 
-    /// Fetches what is known of the body in a slot into the caches.
+    /// Prefetches the facts about the body in a slot.
     pub(super) fn prefetch(&self, slot: u32) {
         if let Some(monitored) = self.by_slot.get(slot as usize) {
             prefetch(from_ref(monitored));
         }
     }
 
-    /// Fetches the facts about the plan of the body in a slot.
+    /// Prefetches the facts about the plan of the body in a slot.
     pub(super) fn prefetch_plan(&self, slot: u32) {
         if let Some(monitored) = self.by_slot.get(slot as usize) {
             prefetch_first(monitored);
@@ -347,7 +351,7 @@ impl MonitoredBodies {
         Some((monitored, monitored.view(&body.trajectory, body.shape())))
     }
 
-    /// Returns the body in a slot, with the facts about its plan.
+    /// Returns the facts about the body in a slot, and the body.
     #[inline]
     pub(super) fn with_body<'s>(
         &'s self,

@@ -25,7 +25,7 @@ impl<'m> PreparedBodies<'m> {
         Self { table, lifetimes }
     }
 
-    /// Lists them, and returns how much moves in a window (s) as well: what is known of the bodies is read once.
+    /// Lists when all bodies exist, and returns the statistics of a window (s): the bodies are read once.
     pub(super) fn in_window(
         table: BodyTable<'m>,
         memory: &mut Lifetimes,
@@ -96,7 +96,7 @@ impl<'m> PreparedBodies<'m> {
         }
     }
 
-    /// Returns a window (s) in slices of the length that suits the bodies in all of the lookahead.
+    /// Returns a window (s) in slices of the grid's `search_length`, which suits the whole lookahead.
     pub(super) fn slices_of_search_length(&self, (from, to): (f64, f64)) -> TimeSlices {
         TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).round())
     }
@@ -124,7 +124,7 @@ impl<'m> PreparedBodies<'m> {
         trials.cheapest(slices, &statistics, &some)
     }
 
-    /// Returns how much moves in a window (s), as far as the number of slices depends on it.
+    /// Returns the statistics of a window (s) on which the number of slices depends.
     pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
         let bodies = self.table.monitored.cubics();

@@ -2,7 +2,7 @@
 //! of the state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
-//! read once, when its spans have changed, as if the window were endless. Only what an edge of the
+//! read once, when its solved spans have changed, whatever the window. Only what an edge of the
 //! window, or the clock, touches is read again: conflicts one by one, encounters pair by pair.
 
 use super::alert_level::AlertLevel;
@@ -20,7 +20,7 @@ use crate::screen::conflict;
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) planned: Vec<EncounterCache>,
-    /// Pairs to be read.
+    /// Pairs whose solved spans have changed: to be read.
     pub(super) changed_pairs: Vec<SlotPair>,
     /// Memory of two threads.
     pub(super) scratch: [ReadScratch; 2],
@@ -29,8 +29,11 @@ pub(super) struct LevelCaches {
 /// Memory that reading reuses.
 #[derive(Debug, Default)]
 pub(super) struct ReadScratch {
+    /// Contacts within the margin.
     pub(super) contacts: Vec<Contact>,
+    /// Contacts within the release margin.
     released: Vec<Contact>,
+    /// Contacts up to the clock.
     passed: Vec<Contact>,
 }
 
@@ -57,8 +60,8 @@ impl LevelCaches {
         self.planned.iter().any(EncounterCache::lists_all)
     }
 
-    /// Takes over what is known of pairs that have not changed, unless it has ended before an
-    /// instant, and reads the others.
+    /// Reads the [changed pairs](Self::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
+    /// before an instant (s) are dropped.
     pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
         let (changed, [scratch, _]) = (&self.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
@@ -75,7 +78,8 @@ impl LevelCaches {
 }
 
 impl ReadContext<'_> {
-    /// Reads a pair as if the window were endless, and the clock had not come to it.
+    /// Reads all conflicts and planned encounters of a pair in the time in which both bodies exist, as if the clock had
+    /// reached none of them.
     fn read_whole(
         &self,
         slots: SlotPair,
@@ -173,33 +177,30 @@ impl ReadContext<'_> {
         } else {
             released.clone_from(contacts);
         }
-        for released_contact in &*released {
-            // Two margins that are nearly the same are crossed in any order: by rounding.
-            let mut within = contacts.iter().filter(|contact| {
-                contact.enter <= released_contact.exit && contact.exit >= released_contact.enter
-            });
+        for outer in &*released {
+            // `outer` is within the release margin. The contacts within the margin that overlap it lie in it, but for
+            // rounding if both margins are nearly the same.
+            let mut within = contacts
+                .iter()
+                .filter(|contact| contact.enter <= outer.exit && contact.exit >= outer.enter);
             let first = within.next();
             let last = within.next_back().or(first);
-            let start = first.map_or(released_contact.enter, |contact| {
-                contact.enter.min(released_contact.enter)
-            });
-            let exit = last.map_or(released_contact.exit, |contact| {
-                contact.exit.max(released_contact.exit)
-            });
-            let Some(closest) = self.report(slots, clip, released_contact) else {
+            let start = first.map_or(outer.enter, |contact| contact.enter.min(outer.enter));
+            let exit = last.map_or(outer.exit, |contact| contact.exit.max(outer.exit));
+            let Some(conflict) = self.report(slots, clip, outer) else {
                 continue;
             };
             let passed_part = (start, exit.min(tick.reported));
             visit(PlannedEncounter {
-                a: closest.a,
-                b: closest.b,
-                tags: [closest.tag_a, closest.tag_b],
+                a: conflict.a,
+                b: conflict.b,
+                tags: [conflict.tag_a, conflict.tag_b],
                 enter: first.map(|contact| contact.enter),
                 start,
                 exit,
                 open: exit >= tick.known && ends > tick.known,
                 with_trajectory: exit >= ends,
-                closest: closest.closest,
+                closest: conflict.closest,
                 passed: self.passed_closest(slots, alert.release, passed_part, passed),
             });
         }

@@ -1,5 +1,5 @@
-//! Boxes of bodies that have changed since the last tick: what slices know of them is out of date, and
-//! a question between ticks is not to go through all that they might meet.
+//! Boxes of bodies that have changed since the last tick. The boxes of slices are out of date for them. A question
+//! between ticks ([`Monitor::what_if`](crate::Monitor::what_if)) compares a plan with these boxes instead.
 
 use super::bodies::BodyTable;
 use crate::broad_phase::BodyBox;

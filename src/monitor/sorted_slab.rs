@@ -1,5 +1,5 @@
-//! A slab of large values that stay for long, with a sorted list of short entries: a search reads the
-//! entries, and only entries move when values come or go.
+//! A slab: a list in which values keep their places. A sorted list of short entries tells the places. A search reads
+//! the entries, and only entries move when values come or go.
 
 use std::ops::Range;
 

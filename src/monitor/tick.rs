@@ -77,7 +77,7 @@ impl Monitor {
         self.advance_by(now, BudgetMeter::start(budget), events)
     }
 
-    /// Moves the clock, and knows everything up to `known` (s) afterwards, as an earlier run did.
+    /// Moves the clock, and knows everything up to `known` (s) afterwards, as the tick that was recorded did.
     pub(super) fn advance_to(
         &mut self,
         now: f64,
@@ -292,17 +292,17 @@ impl Monitor {
             scratch: [scratch, other_scratch],
             ..
         } = &mut self.readings;
-        let (levels, reported) = (&self.levels, &mut self.conflicts);
+        let (levels, lists) = (&self.levels, &mut self.conflicts);
         let read_conflicts = || {
-            for ((conflicts, reported), alert) in conflicts.iter_mut().zip(reported).zip(levels) {
-                reported.clear();
+            for ((conflicts, list), alert) in conflicts.iter_mut().zip(lists).zip(levels) {
+                list.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
                     let clipped = |pair, lasts, found: &mut Vec<Conflict>| {
                         let period = (lasts, window);
                         context.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
                     };
-                    conflicts.list(window, clipped, reported);
+                    conflicts.list(window, clipped, list);
                 }
             }
         };

@@ -163,7 +163,8 @@ impl Monitor {
         Ok(())
     }
 
-    /// Notes which motions are replaced in place; returns true if all are.
+    /// Notes which bodies pass [`LastMotion::is_replaced_by`](crate::trajectory::LastMotion): their motions are replaced in
+    /// place. Returns true if all do.
     fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) -> bool {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;

@@ -25,7 +25,7 @@ const NOWHERE: u32 = u32::MAX;
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxTree {
-    /// Number of the lane of each slot's body.
+    /// Number of the lane of each slot's body. A lane is a place for one box in a leaf.
     index_of: Vec<u32>,
     /// Slot in each lane: [`WIDTH`] lanes for each node of the lowest level.
     slot_at: Vec<u32>,
@@ -38,10 +38,10 @@ pub(super) struct BoxTree {
     curve: MortonOrder,
     /// True if the boxes around nodes are formed. Else they wait for [`fit`](Self::fit), and nobody searches.
     is_fitted: bool,
-    /// Number of times that all were put in order.
+    /// Number of times that all bodies were put in order: names the current order.
     orders: u32,
-    /// Bodies and leaves passed by since all were put in order, because a body was not where it
-    /// belongs.
+    /// Cost of searches for free lanes since all bodies were put in order, and number of boxes replaced in their lanes.
+    /// If it grows beyond the number of lanes, all are put in order again.
     disorder: usize,
     sorted: Vec<(u32, BodyBox)>,
 }
@@ -77,7 +77,7 @@ impl BoxTree {
         self.is_fitted = true;
     }
 
-    /// Replaces the boxes of many bodies: each keeps its lane, and the order suffers.
+    /// Replaces the boxes of many bodies. Each keeps its lane, though other lanes may be nearer to it now.
     pub(super) fn replace(&mut self, boxes: &[BodyBox]) {
         for body in boxes {
             match self.index(body.body) {

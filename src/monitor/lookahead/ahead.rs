@@ -1,17 +1,22 @@
 //! Work on the slice that comes next, spread over ticks.
 
-/// Returns the share of the slice that comes next that is due when `share` of the time until it is needed has
-/// passed, the last `step` of it since the tick before, in which so many out of all bodies changed.
+/// Returns the share of the work on the next slice that is due.
 ///
-/// Work done ahead is repeated for each body that changes after it. So where many do, work begins late,
-/// but not so late that it stands out: a tick takes on half as many bodies as have changed.
+/// - `share`: the part of the time until the slice is needed that has passed, 0 to 1;
+/// - `step`: the part of that time that has passed since the tick before;
+/// - the number of bodies that changed since the tick before, and that of all bodies.
+///
+/// Work done ahead is repeated for each body that changes after it. So if many bodies change, work begins
+/// late. It does not begin so late that single ticks take much longer: a tick takes on half as many bodies as have
+/// changed.
 #[allow(
     clippy::cast_precision_loss,
     reason = "numbers of bodies, of which a rough share is wanted"
 )]
 pub(super) fn due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -> f64 {
+    // Ticks until the slice is needed.
     let in_all = 1.0 / step.max(f64::MIN_POSITIVE);
-    // Not a number, or infinite, if nobody has changed: then all the ticks that there are.
+    // Ticks that share the work. The quotient is infinite or not a number if nobody has changed: then all ticks do.
     let ticks = (2.0 * all as f64 / changed as f64).min(in_all);
     (1.0 - (1.0 - share) * in_all / ticks).clamp(0.0, 1.0)
 }

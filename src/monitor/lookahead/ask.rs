@@ -1,4 +1,4 @@
-//! Contacts of a plan that is not in place.
+//! Contacts of a plan that no body follows: for [`Monitor::what_if`](crate::Monitor::what_if).
 
 use super::super::bodies::form;
 use super::super::monitored_bodies::MonitoredBody;
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::spans::{common_domain, spans};
 
 impl LookaheadSearch {
-    /// Calls `visit` with each contact of a plan that is not in place with another body, within
+    /// Calls `visit` with each contact of a plan that no body follows with another body, within
     /// `from..=to` (s).
     ///
     /// Only spans in which slices report the other body near are examined: in a long lookahead with fast

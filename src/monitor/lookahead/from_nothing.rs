@@ -1,4 +1,5 @@
-//! Searches of all bodies from nothing: of what the clock passed over, and of the whole lookahead.
+//! Searches from nothing: boxes of all bodies are formed for one search, and none is kept. There is one of the time
+//! that the clock passed over, and one of the whole lookahead.
 
 use super::super::bodies::BodyTable;
 use super::super::budget::BudgetMeter;
@@ -14,7 +15,7 @@ use crate::wall_clock::Instant;
 use crate::window::Window;
 
 impl LookaheadSearch {
-    /// Survivors for each span that there is room for: they take a fiftieth of what is kept of it.
+    /// Survivors for each span that there is room for: a survivor takes a fiftieth of the memory of a solved span.
     const SURVIVORS: usize = 8;
 
     /// Returns the limits of spans and candidates before they are solved.
@@ -25,7 +26,8 @@ impl LookaheadSearch {
         }
     }
 
-    /// Searches what the clock passed over; returns where that had to stop, none if it is done.
+    /// Searches the time that the clock passed over. Returns the instant at which the search had to stop, s; none if it
+    /// is done.
     pub(super) fn cross<F: PairFilter>(
         &mut self,
         scene: &Scene,
@@ -48,8 +50,8 @@ impl LookaheadSearch {
         stop
     }
 
-    /// Returns true if most is unknown, and was at the tick before: plans change faster than boxes of slices
-    /// pay. (The tick after that forms them all: so the first one of a monitor is no search from nothing.)
+    /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change too fast for
+    /// kept boxes to pay. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
         let is_unknown = self.is_mostly_unknown(needed);
         std::mem::replace(&mut self.was_unknown, is_unknown) && is_unknown
@@ -64,7 +66,7 @@ impl LookaheadSearch {
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
-    /// Searches the slices that are needed from nothing, from an instant (s) on.
+    /// Searches the time of the needed slices from nothing, from an instant (s) on.
     pub(super) fn screen<F: PairFilter>(
         &mut self,
         scene: &Scene,

@@ -3,7 +3,7 @@
 use super::LookaheadSearch;
 
 impl LookaheadSearch {
-    /// Returns the end of the existing slices that begin at `from` or before, s; `from` if there are none.
+    /// Returns the end of the last existing slice, s, if slices exist from `from` (s) on; else `from`.
     pub(super) fn laid_until(&self, from: f64) -> f64 {
         let (first, last) = (self.slices.front(), self.slices.back());
         let is_there = first.is_some_and(|first| first.number <= self.index(from));
@@ -11,8 +11,8 @@ impl LookaheadSearch {
             .map_or(from, |last| last.end().max(from))
     }
 
-    /// Begins the slices that are missing from the one with `from` to the one after that with
-    /// `to`; returns how many have a time in common with `from..=to`.
+    /// Begins the missing slices, from the one that contains `from` to the one after that with `to`. Returns the number
+    /// of needed slices: those that have a time in common with `from..=to`.
     pub(super) fn lay_slices(&mut self, from: f64, to: f64) -> usize {
         let mut index = self.index(from);
         let mut needed = 0;
@@ -49,8 +49,9 @@ impl LookaheadSearch {
         self.grid.start(index)
     }
 
-    /// Returns the first slice to search for reports from `time` on: where that is on a cut, the one before it. (Instants are rounded to the nearest number. Two cuts are more than one apart, and
-    /// slices hold both their ends.)
+    /// Returns the number of the first slice to search for reports from `time` (s) on: the last slice that begins before
+    /// `time`. If `time` is a cut, an instant that is rounded to it may lie in the slice before the cut. Further
+    /// slices are not needed: neighbouring cuts are many roundings apart.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"

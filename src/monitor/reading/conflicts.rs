@@ -14,7 +14,7 @@ pub(in crate::monitor) struct ConflictCache {
 }
 
 impl ConflictCache {
-    /// Drops those of some pairs (sorted), and those that have ended before an instant.
+    /// Drops the conflicts of some pairs (sorted), and those that have ended before an instant (s).
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         self.all.retain(|entry, _| {
             entry.interval.1 >= before && changed.binary_search(&entry.key.1).is_err()
@@ -28,7 +28,7 @@ impl ConflictCache {
         self.all.add(key, interval, conflict);
     }
 
-    /// Sorts in what was added.
+    /// Sorts the added conflicts in.
     pub(in crate::monitor) fn merge_added(&mut self) {
         self.all.merge_added();
     }
@@ -59,7 +59,7 @@ impl ConflictCache {
                 }
             }
         }
-        // All that had begun now begin with the window; the others begin as ever.
+        // Conflicts that had begun before the window begin with it, clipped; all others are in order.
         listed[..begun].sort_unstable_by(Conflict::order);
     }
 }

@@ -10,7 +10,7 @@ use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 /// The planned encounters of all pairs at one alert level, and a list of those that may have changed.
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct EncounterCache {
-    /// Encounters whatever the window.
+    /// All encounters, whatever the window.
     all: SortedSlab<SlotPair, PlannedEncounter>,
     /// Pairs that were dropped, or added, since the last listing.
     touched: Vec<SlotPair>,
@@ -23,7 +23,7 @@ pub(in crate::monitor) struct EncounterCache {
 }
 
 impl EncounterCache {
-    /// Drops those of some pairs (sorted), and those that have ended before an instant.
+    /// Drops the encounters of some pairs (sorted), and those that have ended before an instant (s).
     pub(in crate::monitor) fn drop_changed(&mut self, changed: &[SlotPair], before: f64) {
         let (mut changed, touched) = (changed.iter().peekable(), &mut self.touched);
         self.all.retain(|entry, _| {
@@ -42,7 +42,7 @@ impl EncounterCache {
         self.all.add(slots, (planned.start, planned.exit), planned);
     }
 
-    /// Sorts in what was added.
+    /// Sorts the added encounters in.
     pub(in crate::monitor) fn merge_added(&mut self) {
         /// So many are not too many, whatever there is.
         const FEW: usize = 1024;
@@ -65,10 +65,13 @@ impl EncounterCache {
         self.before.is_none()
     }
 
-    /// Lists the pairs of which something may not be as it was when they were listed last: those
-    /// that were read anew, or are gone (not if [all are listed](Self::lists_all)); of which
-    /// something is at an edge of the window, or has passed one; and those that `wait` for
-    /// something. `again` reads all that a pair has in the window.
+    /// Lists each pair whose encounters in the window may differ from those when it was listed last:
+    ///
+    /// - encounters were added or dropped (not if [all are listed](Self::lists_all));
+    /// - an encounter is at an edge of the window, or has passed one;
+    /// - the pair is one of `wait`.
+    ///
+    /// `again` reads all encounters of a pair in the window.
     pub(in crate::monitor) fn list(
         &mut self,
         edges: WindowEdges,

@@ -1,4 +1,4 @@
-//! Bodies that may come near a plan that is not in place.
+//! Bodies that may come near a plan that no body follows.
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
@@ -17,8 +17,8 @@ pub(in crate::monitor) struct NearBody {
 }
 
 impl LookaheadSlice {
-    /// Lists the bodies that may be near one in this cubic source within the slice, in any order; a body may
-    /// be listed several times. A body that has changed since it was boxed here may be anywhere.
+    /// Lists the bodies that may be near the body of a source within the slice, in any order, some several times.
+    /// A body that has changed since its box was formed may be anywhere: it is listed as well.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,

@@ -20,18 +20,18 @@ impl LookaheadSlice {
     /// millisecond.
     const STEP: usize = 1024;
 
-    /// Share of the work for a slice that is forming and placing its boxes; the rest is comparing
+    /// Share of the work for a slice that forms its boxes and places them in the tree; the rest compares
     /// them.
     const PLACING: f64 = 0.6;
 
-    /// Leaves with as many bodies.
+    /// Leaves compared before a budget is looked at: they hold about `STEP` bodies.
     const STEP_LEAVES: usize = 100;
 
-    /// Memory for so many candidates, and four a body, is kept when all were looked at: there are many
-    /// slices.
+    /// Memory for so many candidates, and four for each body, is kept when all are refined. More is given back: there are
+    /// many slices.
     const FEW_CANDIDATES: usize = 1024;
 
-    /// Boxes that are asked for what meets them before a filter is asked whether it gives up.
+    /// Boxes that are compared with the tree before a filter is asked whether it gives up.
     const BOXES_PER_CHECK: usize = 64;
 
     /// Stands for the fat line of a body without a box: nobody asks for it.
@@ -88,13 +88,13 @@ impl LookaheadSlice {
         self.interval.1
     }
 
-    /// Notes that all of the slice is needed from now on.
+    /// Notes that the slice is needed from now on: all of its work is due.
     pub(super) const fn need(&mut self) {
         self.due = 1.0;
     }
 
-    /// Notes that a share of the slice (0 to 1) is due: it is not needed yet, but soon. In most scenes bodies
-    /// have the same neighbours in it as in the slice before.
+    /// Notes that a share of the work (0 to 1) is due, before the slice is needed. Boxes are placed in the order of
+    /// the tree of the slice before: in most scenes bodies have the same neighbours in both.
     pub(super) fn foresee(&mut self, share: f64, before: &Self) {
         if self.is_put_off {
             return;
@@ -106,8 +106,8 @@ impl LookaheadSlice {
         self.due = share;
     }
 
-    /// Returns how much of `count` is due now in a stage of the work, which lasts from one share to
-    /// another.
+    /// Returns the part of `count` that is due now, for a stage of the work that lasts from one share of
+    /// all work to another.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -137,7 +137,7 @@ impl LookaheadSlice {
     /// Returns true if all that is due is compared.
     pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
         let is_there = match self.stage {
-            // What has changed is looked at when the slice is built.
+            // Changed bodies are boxed again when the slice is built.
             BuildStage::Listing(slots) => {
                 let due = self.due_slots(bodies);
                 return self.due < 1.0 && slots >= due && slots < bodies.monitored.len();
@@ -180,8 +180,8 @@ impl LookaheadSlice {
         [self.interval.0, self.interval.1]
     }
 
-    /// Appends the admitted pairs of the listed boxes with the others that they overlap and that are wanted
-    /// beside them; not all if the filter gives up.
+    /// Appends the admitted pairs of a listed box with another body whose box it overlaps, if `wanted` returns true
+    /// for the two bodies; not all if the filter gives up.
     fn list_meeting<F: PairFilter>(
         &mut self,
         filter: &F,
@@ -205,9 +205,9 @@ impl LookaheadSlice {
         }
     }
 
-    /// Compares what has not been compared, as long as `goes_on` lets: it is told the work of each
-    /// step (boxes and candidates); and as long as there [is room](Self::check_room). What is found is
-    /// added to `survivors` and `stats`.
+    /// Compares what has not been compared, step by step, while `goes_on` returns true and there
+    /// [is room](Self::check_room). `goes_on` gets the work of each step (boxes and candidates). Spans and
+    /// counts are added to `survivors` and `stats`.
     pub(super) fn refresh<F: PairFilter>(
         &mut self,
         task: &SliceTask<'_, F>,
@@ -251,8 +251,8 @@ impl LookaheadSlice {
         }
     }
 
-    /// Takes a step towards all candidates; returns the number of boxes formed. A slice in which there are
-    /// too many is searched from nothing, in shorter ones.
+    /// Takes a step towards all candidates; returns the number of boxes formed. If there are too many
+    /// candidates, the slice is searched from nothing, in shorter slices.
     fn look<F: PairFilter>(
         &mut self,
         task: &SliceTask<'_, F>,
@@ -362,8 +362,8 @@ impl LookaheadSlice {
         until
     }
 
-    /// Notes that all is compared, unless the filter gave up: then not all was found, and the step is still
-    /// to be done.
+    /// Ends a step: sets the stage, and forgets the changes. If the filter gave up, not all was found, and the step is
+    /// still to be done.
     fn end_at<F: PairFilter>(&mut self, stage: BuildStage, filter: &F) {
         if filter.gives_up() {
             self.candidates.clear();
@@ -374,7 +374,8 @@ impl LookaheadSlice {
         self.forget_changes();
     }
 
-    /// Compares the bodies of some more leaves, one of a pair after the other, with all.
+    /// Compares the bodies in the next leaves with all others. Each body is compared with those in lower slots only, so
+    /// that each pair is found once.
     fn join<F: PairFilter>(
         &mut self,
         filter: &F,
@@ -402,7 +403,7 @@ impl LookaheadSlice {
         self.end_at(stage, filter);
     }
 
-    /// Puts boxes that are all there in order, and compares all of them if the slice is needed now.
+    /// Builds the tree, once all boxes are formed; compares all of them if the slice is needed now.
     fn build<F: PairFilter>(
         &mut self,
         bodies: &BodyTable<'_>,

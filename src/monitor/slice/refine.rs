@@ -1,5 +1,4 @@
-//! The way from the candidates of a slice to spans, and to spans without candidates where these are too
-//! many.
+//! From the candidates of a slice to spans; or, if there are too many candidates, by searches of shorter slices.
 
 use super::state::{LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};
@@ -9,7 +8,7 @@ use crate::search::{Lifetimes, RefineContext};
 use crate::window::Window;
 
 impl LookaheadSlice {
-    /// Searches all bodies in some more of the slice; returns how many boxes were formed.
+    /// Searches all bodies from nothing in the next part of the slice; returns how many boxes were formed.
     pub(super) fn search_next_part<F: PairFilter>(
         &mut self,
         from: f64,

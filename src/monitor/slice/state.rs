@@ -17,27 +17,27 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
     pub(super) index: BoxIndex,
-    /// Boxes for questions about a slice that has no boxes yet.
+    /// Boxes for a question between ticks, if the slice has none yet: formed by the first question.
     pub(super) query_index: OnceLock<BoxIndex>,
     pub(super) stage: BuildStage,
-    /// Share of the slice that is to be compared now, 0 to 1: all of it if it is needed.
+    /// Share of the work that is to be done now, 0 to 1: 1 if the slice is needed.
     pub(super) due: f64,
     /// Bodies that changed since they were boxed.
     pub(super) changed: Vec<u32>,
     pub(super) is_changed: Vec<bool>,
-    /// Boxes, until all are there.
+    /// Boxes formed so far, until the tree is built from all of them.
     pub(super) boxed: Vec<BodyBox>,
     pub(super) candidates: Vec<Candidate>,
-    /// Candidates before this one have been looked at.
+    /// Candidates before this one have been refined to spans.
     pub(super) refined: usize,
     /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
-    /// Instant from which on all bodies are to be searched from nothing, s: boxes of the whole slice overlap
-    /// too many others.
+    /// Set if boxes of the whole slice overlap too many others: the slice is searched from nothing in shorter slices,
+    /// from this instant (s) on.
     pub(super) unsearched_from: Option<f64>,
     /// True if the slice was given up for lack of room.
     pub(super) is_crowded: bool,
-    /// Set while no work is done before the slice is needed.
+    /// True if there was too little room: then no work is done before the slice is needed.
     pub(super) is_put_off: bool,
     pub(in crate::monitor) stats: Stats,
 }
@@ -55,7 +55,7 @@ pub(super) struct BoxIndex {
 pub(in crate::monitor) struct SliceScratch {
     /// Boxes of some bodies.
     pub(super) listed: Vec<BodyBox>,
-    /// Boxes of a plan that is asked for.
+    /// Boxes of a plan in question.
     pub(in crate::monitor) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
@@ -92,20 +92,25 @@ impl<'a, F> SliceTask<'a, F> {
     }
 }
 
-/// Stage of the work on a slice.
+/// Stage of the work on a slice: forming boxes, building their tree, comparing them.
+///
+/// - A slice that is needed when it begins: `Listing`, `Built`.
+/// - A slice with work ahead: `Placing` (`Listing` if the slice before has no tree), `Joining`, `Built`.
+/// - A slice in the time of a search from nothing: `Compared`, and `Built` when bodies change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BuildStage {
-    /// All bodies were compared with each other, but for changed ones; slots below this number have their
-    /// boxes in `boxed`.
+    /// A search from nothing compared all bodies with each other, but for changed ones. There is no tree. Slots below
+    /// this number have their boxes in `boxed`.
     Compared(usize),
-    /// Slots below this have their boxes in `boxed`.
+    /// Nothing was compared. Slots below this number have their boxes in `boxed`.
     Listing(usize),
-    /// Slots below this have their boxes in `boxes`, in the order of the slice before.
+    /// Nothing was compared. Slots below this number have their boxes in the tree, in the order of that of the slice
+    /// before.
     Placing(usize),
-    /// All boxes are there. The bodies in leaves below this were compared with all others; leaves
-    /// are counted in this order of the tree.
+    /// All boxes are in the tree. The bodies in leaves below the first number were compared with all others, if the
+    /// second number is still that of the tree's [order](BoxTree::orders).
     Joining(usize, u32),
-    /// All bodies were compared with each other, but for changed ones.
+    /// All boxes are in the tree. All bodies were compared with each other, but for changed ones.
     Built,
 }
 
