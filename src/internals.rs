@@ -8,54 +8,65 @@
 //! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
 //!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
 //!    of an end motion between two *cuts*. End motions and legs of constant velocity are in *power form*,
-//!    other cubics in Bézier form. A *straight motion* is a trajectory from one state. It is *replaced* by
-//!    another one in place where states are told each frame. What that is checked against is its
-//!    `LastMotion`. A *plan* is any trajectory, or one that is no straight motion where both are named. A body
-//!    that *turns* has a rotation.
+//!    other cubics in Bézier form. A *straight motion* is a trajectory from one state. A *plan* is any
+//!    trajectory, or one that is no straight motion where both are named. A body that *turns* has a rotation.
+//!    - A state that the caller gives is *told*. Where states are told each frame, a straight motion is
+//!      *replaced* by another one in place: the trajectory keeps its few *recent motions*. The facts that a new
+//!      motion is checked against are its `LastMotion`.
+//!    - A change holds `from` an instant on. Pieces and spins that end before `since` (`forget_before`) are
+//!      dropped. A *late* plan is to be followed from before the clock: see `Monitor::replan`.
 //! 2. `orientation`: the *parts* of an orientation, as given, become *pieces*, each an arc or a cubic. These
 //!    become cubics of matrices between cuts of their own; the rotation is *baked*. A `TurningCell` lies
 //!    between neighbouring cuts of one body, a *cell* between those of both. The *way* of a point is its path
-//!    about the body's position; how far its cubic is off, in metres, is the `path_error`.
+//!    about the body's position; how far its cubic is off, in metres, is the `path_error`. A *spin* is a
+//!    rotation at an instant with a constant angular velocity.
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is an index in a list, above all its
 //!    dense number in one search. An *entry* is a body with the *summary* of its motion. Its *compact
 //!    trajectory*, a copy in f32, lies on cache *lines* of an *arena*. The *reach* of a hitbox is the largest
-//!    distance of its points from the body's position, its *arm* that of the centres.
+//!    distance of its points from the body's position, its *arm* that of the centres. A *partner* is another
+//!    body with which a body may be a pair; bodies with the same layers are of one *kind*.
 //! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. The frame of
-//!    one body's cubics is its *anchor*. A box exceeds the hull of a motion by its *padding*: hitbox, half
-//!    the margin, and the clearance. A *fat line* is a closer bound, a line with a radius. Rounding is
-//!    relative to coordinates and to the *spread*, which is at least half the distance between any two points
-//!    of a cubic. A *run* is four consecutive cubics, or four smaller runs, bounded at once.
+//!    one body's cubics is its *anchor*; a *source* is the cubics with their *placement* in the frame. A box
+//!    exceeds the hull of a motion by its *padding*: hitbox, half the margin, and the clearance. A *fat line*
+//!    is a closer bound, a line with a radius. Rounding is relative to coordinates and to the *spread*, which is
+//!    at least half the distance between any two points of a cubic; each *split* of a cubic adds to it. A *run*
+//!    is four consecutive cubics, or four smaller runs, bounded at once.
 //! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs
-//!    admits or refuses by layers and ignored pairs. (The field `filter` of `Layers` is a bit mask.)
-//! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Candidates whose
-//!    fat lines come near each other are *near pairs*. The spans of these that cheap tests leave are the
-//!    *survivors*. The tests reject only what exceeds the threshold by the *clearance*, 512 roundings.
-//!    Searches begin at the earliest and end at the latest exact instant that may be reported as an end of
-//!    the window (`earliest_exact`, `latest_exact`).
-//! 7. `narrow_phase`: over a span, the difference of two motions is a *relative cubic*. Its squared distance
-//!    has *control heights*: its Bernstein coefficients. Between *stationary points* the distance is
-//!    monotonic. A *dip* is a minimum that the rounding of the squared distance hides; a *plateau* is a
-//!    distance that is constant to rounding. A *stretch* is an interval of a span within a threshold; a
-//!    *contact* unites stretches over spans and spheres. Clusters have an *envelope*: which pairs of spheres
-//!    are the nearest, and when. Their bounds hold up to the *slack*, an allowance for rounding.
+//!    admits or refuses by layers and ignored pairs. It *gives up* to end a search early, incomplete. (The field
+//!    `filter` of `Layers` is a bit mask.)
+//! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Bodies are *present*
+//!    where their *lifetimes* overlap a block. Candidates whose fat lines come near each other are *near pairs*.
+//!    The spans of these that cheap tests leave are the *survivors*. The first of these tests compares the hulls
+//!    of two cubics in f32 (`HullTest`). The tests reject only what exceeds the threshold by the *clearance*,
+//!    512 roundings. Searches begin at the earliest and end at the latest exact instant that may be reported as
+//!    an end of the window (`earliest_exact`, `latest_exact`).
+//! 7. `narrow_phase`: a *view* is all that it reads of a body. A margin is *widened* by the model errors of both.
+//!    Over a span, the difference of two motions is a *relative cubic*. Its squared distance has *control
+//!    heights*: its Bernstein coefficients. Between *stationary points* the distance is monotonic: its *profile*
+//!    has these and the ends of the span as *nodes*. A *dip* is a minimum that the rounding of the squared
+//!    distance hides; a *plateau* is a distance that is constant to rounding. A *stretch* is an interval of a span
+//!    within a threshold; a *contact* unites stretches over spans and spheres. Clusters have an *envelope*: which
+//!    pairs of spheres are the nearest, and when. Their bounds hold up to the *slack*, an allowance for rounding.
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
 //!    heights, and its *leading* coefficient that of x². A part is certainly inside a threshold, certainly
 //!    outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
 //! 10. `monitor`: changes are prepared in a `ChangeContext`. The *lookahead search* keeps *solved spans*
 //!     (`solved`), and knows everything up to an instant, the end of the *known time*. It holds bodies as
-//!     *monitored bodies* and notes the *changed* ones, whose bounds are `moved`. A slice is *fresh* when
-//!     these are compared with all bodies. Each of them has its box in a *lane* of its tree's leaves. Work on
-//!     the next slice is *due* in shares; it is *put off* where there is too little room. A body is *due* at
-//!     the instant up to which it was compared with half-spaces. The number of slices follows from
-//!     *statistics* of motion. A *meter* counts work against a budget. A *jump* of the clock is searched from
-//!     nothing, in *chunks* of time, without boxes that stay.
+//!     *monitored bodies* and notes the *changed* ones, whose bounds are `moved`. A *meter* counts work against a
+//!     budget.
+//!     - The *grid* is the frame and the length of slices. A slice is *needed* if it overlaps the lookahead. Work on
+//!       the next slice is *due* in shares; it is *put off* where there is too little room. A slice is *fresh* when
+//!       changed bodies are compared with all bodies. Each body has its box in a *lane* of the leaves of a tree.
+//!       The number of slices follows from *statistics* of motion.
+//!     - A search *from nothing* forms boxes of all bodies for itself alone, and keeps none. A *jump* of the clock
+//!       is searched so, in *chunks* of time.
+//!     - A body is *due* at the instant up to which it was compared with half-spaces.
 //! 11. `monitor/reading`: contacts of a pair become conflicts and *planned encounters*, whatever the window.
 //!     Those *at an edge* of the window are read again in each tick.
 //! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
 //!     ends or is withdrawn. Their differences are the events. Pairs *wait* that have tracked encounters
-//!     beyond the known time. An instant up to which events were reported is *reported*. A state that the
-//!     caller gives is *told*.
+//!     beyond the known time. An instant up to which events were reported is *reported*.
 
 use crate::query::Query;
 use std::num::NonZeroU32;

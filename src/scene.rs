@@ -1,4 +1,6 @@
 //! Scenes: bodies under ids.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod arena;
 mod body;

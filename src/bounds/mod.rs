@@ -12,6 +12,8 @@
 //! relative to its distance from the trajectory's middle. Six more are relative to that distance,
 //! and six to the distance from the scene's middle. Each count is given where it arises. The
 //! clearance of rejections, 2^-44, is negligible against it.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod apart;
 mod builder;

@@ -25,7 +25,7 @@ pub(super) struct HalfSpaceSearch {
     ground: Vec<Option<HeightRange>>,
     /// Instant up to which each body is compared, s: it is due again then.
     due: DueTimes,
-    /// Slots that are due: the instants up to which they are compared (s), and the slots. Memory of [`look`](Self::look).
+    /// Memory of [`look`](Self::look): slots that are due, each with the instant up to which it is compared (s).
     taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and the place of the next one in this list.
     to_compare: Vec<u32>,

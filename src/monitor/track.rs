@@ -163,8 +163,8 @@ impl Monitor {
         Ok(())
     }
 
-    /// Notes which bodies pass [`LastMotion::is_replaced_by`](crate::trajectory::LastMotion): their motions are replaced in
-    /// place. Returns true if all do.
+    /// Notes which motions are replaced in place, by the test of
+    /// [`LastMotion`](crate::trajectory::LastMotion::is_replaced_by). Returns true if all are.
     fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) -> bool {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;

@@ -21,7 +21,7 @@
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::{DistanceProfile, NOTHING_FOUND};
+use super::stretches::{DistanceProfile, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
@@ -377,17 +377,12 @@ impl MergedConflict<'_> {
             closest = Some((best.or_lower(approach), nearest));
             let radius = contact_radius(pair.radius_a, pair.radius_b, band.outer);
             let radius = radius.max(0.0);
-            profile.stretches(
-                &pair.cubic,
-                radius,
-                (clip, NOTHING_FOUND),
-                |(enter, exit), _| {
-                    if exit >= self.start && enter <= self.end {
-                        first = first.min(enter);
-                        last = last.max(exit);
-                    }
-                },
-            );
+            profile.stretches(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
+                if exit >= self.start && enter <= self.end {
+                    first = first.min(enter);
+                    last = last.max(exit);
+                }
+            });
         }
         let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error, clip));
         let (Some(least), Some((closest, _))) = (least, closest) else {

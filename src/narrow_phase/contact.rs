@@ -5,14 +5,14 @@ use super::half_space::{self, may_touch_plane};
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::{DistanceProfile, FoundContact, NOTHING_FOUND};
+use super::stretches::{DistanceProfile, FoundContact, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 
-/// A pair of spheres whose distance over a span is solved: contacts at any margin and window follow without a search for
-/// stationary points.
+/// A pair of spheres whose distance over a span is solved. Contacts at any margin and window follow without a
+/// search for stationary points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolvedSpan {
     span: Span,
@@ -136,7 +136,7 @@ pub(crate) fn contacts(
     for span in spans {
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, (clip, NOTHING_FOUND), found);
+            solved_contacts(&pair, span, margin, (clip, NEVER), found);
         } else {
             contacts_of_many(a, b, span, margin, clip, found);
         }
@@ -183,7 +183,7 @@ fn contacts_of_many(
     found: &mut Vec<Contact>,
 ) {
     if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        let mut before = NOTHING_FOUND;
+        let mut before = NEVER;
         turning.each_within(margin, clip, |pair, part| {
             let count = found.len();
             solved_contacts(pair, part, margin, (clip, before), found);
@@ -193,7 +193,7 @@ fn contacts_of_many(
     }
     ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
         let count = found.len();
-        solved_contacts(pair, span, margin, (clip, NOTHING_FOUND), found);
+        solved_contacts(pair, span, margin, (clip, NEVER), found);
         if let Some(shown) = shown {
             shown.extend(found[count..].iter().map(|contact| ProvenContact {
                 enter: contact.enter,
@@ -213,7 +213,7 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    let mut before = NOTHING_FOUND;
+    let mut before = NEVER;
     for SolvedSpan {
         span,
         pair,

@@ -6,6 +6,8 @@
 //! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
 //! the pairs of spheres to solve; where a body turns, `turning` does. A `half_space` and a sphere are
 //! solved as two spheres on a line. [`kernels`] answers many independent pairs at once.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod approach;
 mod certified;

@@ -246,11 +246,7 @@ impl DistanceProfile {
             }
             let least = nodes[first..=last].iter().map(|node| node.distance);
             let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
-            let covered = if least > nearest {
-                covered
-            } else {
-                NOTHING_FOUND.0
-            };
+            let covered = if least > nearest { covered } else { NEVER.0 };
             let end = |nodes| end_of_stretch(cubic, radius, nodes, covered);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
@@ -290,7 +286,7 @@ impl ProfilePoint {
 pub(super) type FoundContact = ((f64, f64), f64);
 
 /// No contact found before: an empty interval.
-pub(super) const NOTHING_FOUND: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
+pub(super) const NEVER: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
 
 /// Returns the end of a stretch between two nodes: the [crossing], or the instant of the node inside if the
 /// crossing, and all from there to that node, certainly lies in an interval (s).
@@ -429,7 +425,7 @@ mod tests {
                     near = [near.next_up(), near.next_down()][rng.random_range(0..2)];
                 }
                 near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
-                for known in [(near, cubic.end), (cubic.start, near), NOTHING_FOUND.0] {
+                for known in [(near, cubic.end), (cubic.start, near), NEVER.0] {
                     let found = end_of_stretch(&cubic, radius, nodes, known);
                     let covers = |time: f64| known.0 <= time && time <= known.1;
                     let is_found = found.total_cmp(&at).is_eq();

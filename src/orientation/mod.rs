@@ -3,6 +3,8 @@
 //! A point c of a turning body is at p(t) + R(t) c, which is no polynomial. Between the cuts of an
 //! orientation, R is replaced by a cubic of matrices with a proven error: applied to c it gives the
 //! point's cubic. The cuts depend on the orientation and its tolerance alone.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod arc;
 mod baked;

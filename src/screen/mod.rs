@@ -3,6 +3,8 @@
 //! Slices find candidates, cheap tests leave survivors (a pair and a span each), and the exact
 //! solver works on whole spans of the survivors, each once. The solver knows neither the slice nor
 //! the thread of a survivor. Hence the bits do not depend on the slicing or the number of threads.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod half_spaces;
 mod one;

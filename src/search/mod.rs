@@ -4,6 +4,8 @@
 //! give candidates, and cheap tests leave spans of these. Bodies have dense numbers only
 //! ([`Bodies`]). [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last part,
 //! which a monitor's slices use directly.
+//!
+//! Words: [`internals`](crate::internals).
 
 mod bodies;
 mod body_walk;

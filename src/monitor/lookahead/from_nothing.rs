@@ -50,8 +50,8 @@ impl LookaheadSearch {
         stop
     }
 
-    /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change too fast for
-    /// kept boxes to pay. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
+    /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change
+    /// too fast for kept boxes to pay. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
         let is_unknown = self.is_mostly_unknown(needed);
         std::mem::replace(&mut self.was_unknown, is_unknown) && is_unknown

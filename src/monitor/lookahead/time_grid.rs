@@ -49,8 +49,8 @@ impl LookaheadSearch {
         self.grid.start(index)
     }
 
-    /// Returns the number of the first slice to search for reports from `time` (s) on: the last slice that begins before
-    /// `time`. If `time` is a cut, an instant that is rounded to it may lie in the slice before the cut. Further
+    /// Returns the number of the first slice to search for reports from `time` (s) on: the last slice that
+    /// begins before `time`. If `time` is a cut, an instant that is rounded to it may lie in the slice before the cut. Further
     /// slices are not needed: neighbouring cuts are many roundings apart.
     #[allow(
         clippy::cast_possible_truncation,

@@ -27,8 +27,8 @@ impl LookaheadSlice {
     /// Leaves compared before a budget is looked at: they hold about `STEP` bodies.
     const STEP_LEAVES: usize = 100;
 
-    /// Memory for so many candidates, and four for each body, is kept when all are refined. More is given back: there are
-    /// many slices.
+    /// Memory for so many candidates, and four for each body, is kept when all are refined. More is given
+    /// back: there are many slices.
     const FEW_CANDIDATES: usize = 1024;
 
     /// Boxes that are compared with the tree before a filter is asked whether it gives up.

@@ -2,7 +2,7 @@
 
 use super::super::certified::{MarginBand, Workspace, certified_approach, certified_contacts};
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::{DistanceProfile, NOTHING_FOUND};
+use super::super::stretches::{DistanceProfile, NEVER};
 use super::{ClusterPair, SpherePairBound};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
@@ -225,7 +225,7 @@ fn contacts_are_those_of_all_pairs() {
                     &profile,
                     span,
                     case.band().outer,
-                    (clip, NOTHING_FOUND),
+                    (clip, NEVER),
                     &mut expected,
                 );
             });
@@ -274,7 +274,7 @@ fn the_envelope_serves_for_all_margins_and_windows() {
                         &DistanceProfile::of(&pair.cubic),
                         span,
                         margin,
-                        (clip, NOTHING_FOUND),
+                        (clip, NEVER),
                         &mut expected,
                     );
                 });
@@ -412,7 +412,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 &profile,
                 span,
                 case.band().outer,
-                (case.clip, NOTHING_FOUND),
+                (case.clip, NEVER),
                 &mut found,
             );
             instants.extend(
@@ -450,7 +450,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                     &DistanceProfile::of(&pair.cubic),
                     span,
                     case.band().outer,
-                    (clip, NOTHING_FOUND),
+                    (clip, NEVER),
                     &mut expected,
                 );
             });

@@ -6,7 +6,7 @@ use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::{DistanceProfile, NOTHING_FOUND};
+use super::super::stretches::{DistanceProfile, NEVER};
 use super::cells::Rotations;
 use super::{BodyView, SpherePair, TurningPair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
@@ -213,13 +213,7 @@ fn omitted_pairs_change_nothing() {
             contacts(a, b, all.iter().copied(), margin, clip, &mut found);
             each(&views, &all, Accuracy::Exact, |pair, span| {
                 let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(
-                    &profile,
-                    span,
-                    band.outer,
-                    (clip, NOTHING_FOUND),
-                    &mut expected,
-                );
+                pair.contacts(&profile, span, band.outer, (clip, NEVER), &mut expected);
             });
             join(&mut expected, 0);
             assert_eq!(found, expected, "{kind} {clip:?}");
