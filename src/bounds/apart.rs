@@ -21,7 +21,7 @@ pub(crate) enum HullTest {
     Near,
     /// Undecided: f32 rounding is too large next to the distance in question. A test in f64 may still show that the
     /// bodies stay apart.
-    Blurred,
+    Undecided,
 }
 
 /// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
@@ -40,9 +40,8 @@ fn see<const EXTENDED: bool>(
     b: &BodyCubic<'_>,
     (from, to): (f64, f64),
 ) -> HullTest {
-    /// Largest rounding, as a share of the distance in question, for which `Near` is told from
-    /// `Blurred`.
-    const BLUR: f32 = 0.25;
+    /// Largest rounding, as a share of the radius, with which the outcome is `Near`, not `Undecided`.
+    const SMALL: f32 = 0.25;
     let part = |body: &BodyCubic<'_>| {
         let piece = body.source.piece::<EXTENDED>(body.cubic);
         let placement = &body.source.placement;
@@ -71,16 +70,16 @@ fn see<const EXTENDED: bool>(
     // Products of coordinates have three roundings of their own. `rounding` counts six of each origin and point, and
     // the difference uses three of them: three are left. The bound has seven roundings of the radius; `steady`
     // counts eight on each axis.
-    let blur = rounding.element_sum();
-    let beyond = (radius + blur) * square.sqrt();
+    let total_rounding = rounding.element_sum();
+    let beyond = (radius + total_rounding) * square.sqrt();
     // With smaller squares digits are lost, with larger ones everything.
     if (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond) {
         return HullTest::Apart;
     }
-    if blur <= BLUR * radius {
+    if total_rounding <= SMALL * radius {
         HullTest::Near
     } else {
-        HullTest::Blurred
+        HullTest::Undecided
     }
 }
 

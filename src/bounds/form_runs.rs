@@ -37,19 +37,19 @@ impl CubicRun {
 
 /// Forms all complete runs: of 4 cubics each, then of 16, and so on.
 pub(super) fn form_runs(knots: &[f64], compact_cubics: &[CompactCubic], runs: &mut [CubicRun]) {
-    let (mut span, mut below, mut level) = (CubicRun::SIZE, 0, 0);
-    while compact_cubics.len() >= span {
-        let count = compact_cubics.len() / span;
+    let (mut size, mut below, mut level) = (CubicRun::SIZE, 0, 0);
+    while compact_cubics.len() >= size {
+        let count = compact_cubics.len() / size;
         let (smaller, these) = runs.split_at_mut(level);
         for (number, run) in these[..count].iter_mut().enumerate() {
-            let knots = &knots[number * span..=(number + 1) * span];
+            let knots = &knots[number * size..=(number + 1) * size];
             let four = number * CubicRun::SIZE..(number + 1) * CubicRun::SIZE;
-            *run = if span == CubicRun::SIZE {
+            *run = if size == CubicRun::SIZE {
                 CubicRun::of_cubics(&compact_cubics[four], knots)
             } else {
                 CubicRun::of_runs(&smaller[below..][four], knots)
             };
         }
-        (below, level, span) = (level, level + count, span * CubicRun::SIZE);
+        (below, level, size) = (level, level + count, size * CubicRun::SIZE);
     }
 }

@@ -417,7 +417,7 @@ impl Monitor {
     /// not lag.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
         let (margin, _) = self.search.margin_and_frame();
-        let span = (self.reported, self.lookahead);
+        let lookahead = (self.reported, self.lookahead);
         let grid = &self.search.grid;
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
@@ -425,14 +425,14 @@ impl Monitor {
             if !(may_wait && self.reschedule.is_due(bodies, now, self.lookahead)) {
                 return Ok(());
             }
-            self.reschedule = RescheduleTrigger::made(bodies, now);
+            self.reschedule = RescheduleTrigger::after_comparison(bodies, now);
             let velocity = grid.frame.velocity();
-            let estimate = SceneEstimate::of(&self.scene, margin, span, velocity);
+            let estimate = SceneEstimate::of(&self.scene, margin, lookahead, velocity);
             if grid.suits(&self.scene, margin, &estimate) {
                 return Ok(());
             }
         }
-        let other = Grid::for_scene(&self.scene, margin, span, now)?;
+        let other = Grid::for_scene(&self.scene, margin, lookahead, now)?;
         if can_stay && self.search.grid.serves(&self.scene, margin, &other) {
             self.reschedule.was_in_vain();
             self.search.grid.confirm(&other);

@@ -37,6 +37,7 @@ pub(super) struct PlannedEncounter {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TrackedEncounter {
+    /// The encounter as of the last tick that updated it.
     now: Encounter,
     sent: SentNumbers,
     begun: bool,
@@ -486,6 +487,7 @@ fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) ->
         let is_later = now.closest_time >= sent.closest_time + tick.lookahead;
         return now.knows_closest() || is_later && is_lower;
     }
+    // The nearest point that was reported lies beyond the examined time, since a budget ran out.
     let hidden = now.open && sent.closest_time > now.exit;
     if hidden {
         return now.knows_closest() && is_lower;

@@ -39,16 +39,17 @@ pub(super) struct RescheduleTrigger {
     bodies: usize,
     /// The clock then, s.
     now: f64,
-    /// Number of changes of bodies since, and the number that is a reason.
+    /// Number of changes of bodies since, and the number from which on another comparison is due.
     pub(super) changes: usize,
     enough: usize,
 }
 
 impl RescheduleTrigger {
-    /// Changes of fewer bodies are no reason.
+    /// Fewer changes are no reason for a comparison.
     const FEW: usize = 64;
 
-    pub(super) fn made(bodies: usize, now: f64) -> Self {
+    /// Returns the trigger after a comparison of the grid with a scene of so many bodies, at a time (s).
+    pub(super) fn after_comparison(bodies: usize, now: f64) -> Self {
         Self {
             bodies,
             now,
@@ -62,7 +63,7 @@ impl RescheduleTrigger {
         self.enough = self.enough.saturating_mul(64);
     }
 
-    /// Returns true if much may be different now: the number of bodies, their plans, or what they have come to.
+    /// Returns true if another comparison is due: many bodies were added, removed or changed, or a lookahead has passed.
     pub(super) fn is_due(&self, bodies: usize, now: f64, lookahead: f64) -> bool {
         let is_about_as_large = bodies <= 2 * self.bodies && self.bodies <= 2 * bodies;
         !is_about_as_large || self.changes >= self.enough || now >= self.now + lookahead

@@ -22,7 +22,6 @@ use super::grid::Grid;
 use super::half_spaces::HalfSpaceSearch;
 use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
-
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch, SliceTask};
 use super::solved_spans::{SlotPair, SolvedSpans};

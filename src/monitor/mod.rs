@@ -262,7 +262,7 @@ impl Monitor {
             plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
-            reschedule: RescheduleTrigger::made(scene.len(), now),
+            reschedule: RescheduleTrigger::after_comparison(scene.len(), now),
             batch: CommandBatch::default(),
             told: ToldMotions::default(),
             readings: LevelCaches::of_levels(levels.len()),

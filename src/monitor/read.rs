@@ -110,15 +110,15 @@ impl ReadContext<'_> {
         });
     }
 
-    /// Returns the time in which both bodies of a pair exist within a window, and when they cease to, s.
+    /// Returns the part of a window in which both bodies of a pair exist, and the instant at which one of them ceases to
+    /// exist, s.
     fn clip(&self, slots: SlotPair, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
         let (start, ends) = self.search.domain(self.scene, slots)?;
         let clip = (start.max(from), ends.min(to));
         (clip.0 <= clip.1).then_some((clip, ends))
     }
 
-    /// Appends the part in a window of a conflict of a pair, given when the conflict lasts (s) whatever the
-    /// window.
+    /// Appends the part of a pair's conflict that lies in a window. `lasts` is the whole interval of the conflict (s).
     pub(super) fn clipped(
         &self,
         slots: SlotPair,
@@ -157,7 +157,7 @@ impl ReadContext<'_> {
     }
 
     /// Computes the planned encounters of a pair within `clip`, of which `scratch` has the contacts
-    /// at the margin. `ends` is when one of its bodies ceases to exist.
+    /// at the margin. `ends` is the instant (s) at which one of the bodies ceases to exist.
     fn each_planned(
         &self,
         slots: SlotPair,
@@ -233,6 +233,7 @@ impl ReadContext<'_> {
         self.search.solved.contacts(slots, margin, clip, found);
     }
 
+    /// Returns the conflict of a contact of a pair, clipped to an interval (s).
     fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
         let name = |slot| {
             let (id, entry) = self.scene.in_slot(slot)?;

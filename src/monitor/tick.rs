@@ -85,7 +85,7 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let known = known.clamp(self.reported, (now + self.lookahead).max(self.reported));
-        // There was room for it; but not all was found in the same ticks.
+        // The recorded ticks had room for all spans. Spans may be found in other ticks here: so no limit counts.
         let limit = std::mem::replace(&mut self.search.max_spans, usize::MAX);
         let done = self.advance_by(now, BudgetMeter::up_to(known), events);
         self.search.max_spans = limit;

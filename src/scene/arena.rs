@@ -14,7 +14,7 @@ use std::fmt;
 pub(crate) struct CubicArena {
     chunks: Vec<Memory>,
     /// Lines of the last chunk that were never used.
-    rest: usize,
+    unused: usize,
     /// Lines of all ranges in use.
     live: usize,
     /// Lines that were freed.
@@ -38,7 +38,7 @@ enum Memory {
 impl CubicArena {
     /// Smallest chunk, 16 KiB: for a small scene.
     const FEWEST: usize = 1 << 8;
-    /// 1 MiB: an arena that needs more can spare a page.
+    /// 1 MiB: a chunk for more lines is allocated in large pages.
     const FEW: usize = 1 << 14;
     /// A large page, 2 MiB, on most systems.
     const PAGE: usize = 1 << 15;
@@ -50,15 +50,15 @@ impl CubicArena {
         if lines == 0 {
             return ArenaRange::default();
         }
-        if self.rest < lines || self.chunks.is_empty() {
+        if self.unused < lines || self.chunks.is_empty() {
             // Room for no fewer than are in use, unless these are many.
             let chunk = Memory::with(lines.max(self.live.clamp(Self::FEWEST, Self::MANY)));
-            self.rest = chunk.lines().len();
+            self.unused = chunk.lines().len();
             self.chunks.push(chunk);
         }
         let chunk = self.chunks.len() - 1;
-        let first = self.chunks[chunk].lines().len() - self.rest;
-        self.rest -= lines;
+        let first = self.chunks[chunk].lines().len() - self.unused;
+        self.unused -= lines;
         self.live += lines;
         ArenaRange {
             chunk,

@@ -128,7 +128,7 @@ impl<'a> PreparedScene<'a> {
         sources
     }
 
-    /// Returns true if most bodies are looked at where they lie: there is hardly anything to lay out.
+    /// Returns true if views and sources are made in place, not listed: most bodies follow straight motions.
     pub(super) fn is_in_place(&self) -> bool {
         /// If one body in so many has a plan, lists of views and sources are read faster.
         const SHARE: usize = 8;

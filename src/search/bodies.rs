@@ -16,7 +16,7 @@ pub(crate) trait Bodies: Sync {
 
     /// Returns the [hull test](crate::bounds::hull_test) of two bodies, each on one cubic, over an interval (s).
     fn hull_test(&self, _: [(u32, u32); 2], _: (f64, f64)) -> HullTest {
-        HullTest::Blurred
+        HullTest::Undecided
     }
 
     /// Prefetches the record of a body.

@@ -1,4 +1,5 @@
-//! Boxes and fat lines of bodies in lists, or of each body from where it lies.
+//! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
+//! memory, just before they are used.
 
 use super::body_walk::{cubic_before, ends_of, short, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
@@ -11,7 +12,7 @@ use crate::simd::{InstructionSet, Task};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
 
-/// Bodies whose boxes are formed from where they lie.
+/// Bodies whose sources are made in place.
 pub(crate) trait SourcesInPlace: Sync {
     type Cubic: BoundingCubic;
 
@@ -56,7 +57,7 @@ impl SlicesToForm<'_> {
         });
     }
 
-    /// Forms them of each body from where it lies.
+    /// Forms them with sources made in place.
     pub(crate) fn form_in_place<B: SourcesInPlace>(mut self, bodies: &B) {
         let count = self.ends.len() - 1;
         // Slices are shared by threads where there are several.
@@ -121,7 +122,7 @@ impl SlicesToForm<'_> {
     }
 }
 
-/// Forms the bounds of bodies from where they lie, in at most [`MAX_SLICES`](super::MAX_SLICES) slices.
+/// Forms the bounds of bodies with sources made in place, in at most [`MAX_SLICES`](super::MAX_SLICES) slices.
 pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: &'a MovingFrame,
@@ -188,7 +189,7 @@ where
                     put(slice, pieces.bounds(slice_interval));
                 }
             } else {
-                // On its own: beside it, the short way would have few registers.
+                // A call of its own: inlined here, it would take registers from the branch above.
                 self.instructions.run(WalkInPlace {
                     bodies: self.bodies,
                     body,

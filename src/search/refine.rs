@@ -1,7 +1,7 @@
 //! Refinement of candidates to the spans of a pair that may hold a contact.
 //!
 //! Tests run in the order of their cost: fat lines, then knots, compact cubics, and segments. Each
-//! stage processes a batch of the previous stage's survivors and prefetches a few entries ahead.
+//! stage processes a batch of those that the previous stage has left, and prefetches a few entries ahead.
 //! The bodies of neighbouring candidates are scattered in memory; without prefetching, waiting
 //! would dominate.
 
@@ -107,24 +107,24 @@ impl CandidateRefiner {
         pair: impl Fn(Candidate) -> Option<[u32; 2]>,
         found: &mut Vec<SpanKey>,
     ) -> u64 {
-        let mut looked_at = 0;
+        let mut examined = 0;
         // Of earlier slices.
         let before = found.len();
         for batch in candidates.chunks(Self::BATCH) {
             if found.len() - before > context.max_spans {
                 break;
             }
-            self.judge(context, batch, &pair);
+            self.list_near_pairs(context, batch, &pair);
             self.list_spans(context.bodies);
-            looked_at += self.spans.len() as u64;
+            examined += self.spans.len() as u64;
             self.compare_compact(context, found);
             self.compare(context, found);
         }
-        looked_at
+        examined
     }
 
     /// Lists the candidates that may be near by their fat lines.
-    fn judge<B>(
+    fn list_near_pairs<B>(
         &mut self,
         context: &RefineContext<'_, B>,
         batch: &[Candidate],
@@ -210,7 +210,7 @@ impl CandidateRefiner {
             match bodies.hull_test(one.key().cubics(), one.part()) {
                 HullTest::Apart => {}
                 HullTest::Near if context.solves_at_once(one.span) => found.push(one.key()),
-                HullTest::Near | HullTest::Blurred => {
+                HullTest::Near | HullTest::Undecided => {
                     self.spans[kept] = one;
                     kept += 1;
                 }

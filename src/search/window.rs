@@ -139,7 +139,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 counts.push(candidates.len() - first);
                 stats.boxes += slice.boxes.len() as u64;
             }
-            let found = Instant::now();
+            let compared = Instant::now();
             let mut rest = &candidates[..];
             for (slice, &count) in batch.iter().zip(&counts) {
                 let (these, others) = rest.split_at(count);
@@ -148,10 +148,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 (rest, number) = (others, number + 1);
             }
             stats.candidates += candidates.len() as u64;
-            let sifted = Instant::now();
-            stats.broad_time += found - begin;
-            stats.narrow_time += sifted - found;
-            begin = sifted;
+            let refined = Instant::now();
+            stats.broad_time += compared - begin;
+            stats.narrow_time += refined - compared;
+            begin = refined;
         }
         for number in crowded {
             let slice = &block.slices[(number - range.start) as usize];

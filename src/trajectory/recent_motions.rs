@@ -102,10 +102,10 @@ impl RecentMotions {
     /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does. Returns false, and
     /// changes nothing, if there is no room.
     pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
-        let Some(room) = self.room(from, motion, since) else {
+        let Some(replacement) = self.replacement(from, motion, since) else {
             return false;
         };
-        self.fill(&room, from, motion);
+        self.fill(&replacement, from, motion);
         true
     }
 
@@ -128,8 +128,8 @@ impl RecentMotions {
             }
         }
         let end = cut_after(one_zero(from), motion, 1);
-        self.append(&Room { dropped, kept, end }, from, motion);
-        // It is near for all of its first piece: so it was checked.
+        self.append(&Replacement { dropped, kept, end }, from, motion);
+        // `is_replaced_by` has checked that the motion can be followed for all of its first piece.
         self.facts()
     }
 
@@ -140,12 +140,12 @@ impl RecentMotions {
         past.count().saturating_sub(1).min(self.pieces() - 1)
     }
 
-    /// Drops the first pieces, and lets the motion follow the others from an instant (s) on.
+    /// Drops the first pieces, and lets the new motion follow the others from an instant (s) on.
     #[inline]
-    fn fill(&mut self, room: &Room, from: f64, motion: &StraightMotion) {
+    fn fill(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
         let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
-        for place in 0..room.kept {
-            let number = room.dropped + place;
+        for place in 0..replacement.kept {
+            let number = replacement.dropped + place;
             if let Some(beyond) = number.checked_sub(before) {
                 self.motions[place] = last;
                 self.cuts[place] = cut_after(last_knot, &last, beyond + 1);
@@ -154,24 +154,29 @@ impl RecentMotions {
                 self.cuts[place] = self.cuts[number];
             }
         }
-        self.append(room, from, motion);
+        self.append(replacement, from, motion);
     }
 
     /// Lets the motion follow the pieces that were kept from an instant (s) on.
     #[inline]
-    fn append(&mut self, room: &Room, from: f64, motion: &StraightMotion) {
-        self.motions[room.kept] = *motion;
-        self.cuts[room.kept] = one_zero(from);
-        self.cuts[room.kept + 1] = room.end;
-        self.count = short(room.kept + 1);
-        if room.dropped > 0 {
+    fn append(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
+        self.motions[replacement.kept] = *motion;
+        self.cuts[replacement.kept] = one_zero(from);
+        self.cuts[replacement.kept + 1] = replacement.end;
+        self.count = short(replacement.kept + 1);
+        if replacement.dropped > 0 {
             self.before = Outside::Absent;
         }
         self.segments.take();
     }
 
-    /// Returns what [`replace`](Self::replace) makes of the pieces, if there is room.
-    pub(super) fn room(&self, from: f64, motion: &StraightMotion, since: f64) -> Option<Room> {
+    /// Returns the replacement that [`replace`](Self::replace) makes, if there is room.
+    pub(super) fn replacement(
+        &self,
+        from: f64,
+        motion: &StraightMotion,
+        since: f64,
+    ) -> Option<Replacement> {
         let from = one_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
         let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
@@ -190,12 +195,12 @@ impl RecentMotions {
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
         let is_piece = end > from && motion.check_range((from, end), 0).is_ok();
-        let room = Room {
+        let replacement = Replacement {
             dropped,
             kept: pieces - dropped,
             end,
         };
-        (is_piece && room.kept < Self::ROOM).then_some(room)
+        (is_piece && replacement.kept < Self::ROOM).then_some(replacement)
     }
 
     /// Returns the facts that a further motion is checked against. There are some only where the last motion can
@@ -281,8 +286,9 @@ impl LastMotion {
     }
 }
 
-/// The number of pieces that a replacement drops and keeps, and the end of the new one.
-pub(super) struct Room {
+/// A replacement of the last motion: the numbers of pieces that are dropped and kept, and the end of the new piece.
+pub(super) struct Replacement {
+    /// First pieces that are dropped.
     dropped: usize,
     /// Pieces that are left before the new motion.
     kept: usize,

@@ -17,7 +17,7 @@
 mod chords;
 mod envelope;
 mod groups;
-mod known;
+mod proven_intervals;
 mod sphere_pairs;
 #[cfg(test)]
 mod tests;
@@ -26,7 +26,7 @@ use super::sphere_pair::SpherePair;
 use chords::PiecewiseLinearBound;
 use envelope::Envelope;
 use groups::SphereGroups;
-use known::ProvenIntervals;
+use proven_intervals::ProvenIntervals;
 pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
 use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
@@ -52,17 +52,17 @@ impl ClusterPair<'_> {
         }
         let mut shown = Vec::new();
         let chords = PiecewiseLinearBound::of(self, part, margin);
-        let mut known = ProvenIntervals::new(self, part, margin, chords.slack);
+        let mut proven = ProvenIntervals::new(self, part, margin, chords.slack);
         let mut solved = SolvedOffsets::default();
         let mut solve = |candidate: &SpherePairBound,
-                         known: &mut ProvenIntervals<'_>,
+                         proven: &mut ProvenIntervals<'_>,
                          solved: &mut SolvedOffsets| {
             solved.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
                 shown.clear();
-                solve(&pair, known.can_learn().then_some(&mut shown));
-                known.learn(&shown, self.offset(candidate));
+                solve(&pair, proven.can_learn().then_some(&mut shown));
+                proven.learn(&shown, self.offset(candidate));
             }
         };
         let margin = self.reached(&chords, margin);
@@ -72,18 +72,18 @@ impl ClusterPair<'_> {
             groups.list((self, &chords), margin, &mut listed, &mut candidates);
             let mut next = nearest(&candidates);
             if let Some(nearest) = next {
-                known.look(chords.nearest_point(self.offset(nearest)));
+                proven.look(chords.nearest_point(self.offset(nearest)));
             }
             let mut others = candidates.iter();
             while let Some(candidate) = next {
-                solve(candidate, &mut known, &mut solved);
-                while let Some(support) = known.support() {
+                solve(candidate, &mut proven, &mut solved);
+                while let Some(support) = proven.support() {
                     let found = candidates.iter().find(|one| (one.a, one.b) == support);
                     if let Some(candidate) = found.filter(|one| !solved.holds(self, one)) {
-                        solve(candidate, &mut known, &mut solved);
+                        solve(candidate, &mut proven, &mut solved);
                     }
                 }
-                next = others.find(|other| known.may_matter(other) && !solved.holds(self, other));
+                next = others.find(|other| proven.may_matter(other) && !solved.holds(self, other));
             }
         }
     }
