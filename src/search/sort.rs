@@ -63,7 +63,7 @@ impl SpanSorter {
 
 /// Sorts survivors that were distributed by pair and are nearly in order.
 ///
-/// Spans appended later than others may come in two long runs. A pair with a span that has to move
+/// Spans appended later than others may come in two long sorted parts. A pair with a span that has to move
 /// farther than `FAR` is sorted by comparison instead, once. So the steps are at most n log n.
 fn insert(survivors: &mut [SpanKey]) {
     /// Places; moving this far costs as much as sorting a few dozen.
@@ -127,10 +127,10 @@ mod tests {
         assert!(lost > 1_000, "{lost}");
     }
 
-    /// Two sorted runs of a pair's spans, between those of other pairs. One by one, the second run
+    /// Two sorted parts of a pair's spans, between those of other pairs. One by one, the second part
     /// would be moved past half of the first: 5 · 10^11 steps, or a quarter of an hour.
     #[test]
-    fn two_runs_of_a_pair_take_no_longer_than_sorting() {
+    fn two_sorted_parts_of_a_pair_take_no_longer_than_sorting() {
         const LENGTH: u32 = 1_000_000;
         let span = |pair: (u32, u32), number: u32| key(pair, (number, number));
         let even = (0..LENGTH).map(|k| span((1, 2), 2 * k));

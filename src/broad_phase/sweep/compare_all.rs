@@ -1,8 +1,8 @@
 //! Comparison of each box with all that follow, 16 at a time.
 
 use super::region::Region;
+use super::row_sweep::mask;
 use super::rows::STEP;
-use super::run::mask;
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 

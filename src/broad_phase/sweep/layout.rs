@@ -41,8 +41,8 @@ impl GridLayout {
                     let copies =
                         (1.0 + first * f64::from(one - 1)) * (1.0 + second * f64::from(other - 1));
                     let row = count * copies / f64::from(one * other);
-                    let run = row * extents[sweep];
-                    let cost = copies * (Self::COPY + Self::STEP * (1.0 + run / 16.0));
+                    let successors = row * extents[sweep];
+                    let cost = copies * (Self::COPY + Self::STEP * (1.0 + successors / 16.0));
                     if cost < best.0 {
                         best = (cost, sweep, [one, other]);
                     }
@@ -58,7 +58,7 @@ impl GridLayout {
         }
     }
 
-    /// Returns a number of bins a quarter of a box long, so that few boxes of a run start behind
+    /// Returns a number of bins a quarter of a box long, so that few successors of a box start behind
     /// the box's end; at most one cell per box.
     fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
         let most = (count / f64::from(rows[0] * rows[1])).min(f64::from(STEPS));

@@ -2,8 +2,8 @@
 //!
 //! Boxes become 16 bytes each: six faces on a 16-bit grid (`quantizer`) and the cell they are
 //! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by fine
-//! bins of the third; `layout` chooses these numbers. Each record is compared with the run that
-//! follows it in its row, 16 at a time (`run`). Overlaps on the grid are tested again with the
+//! bins of the third; `layout` chooses these numbers. Each record is compared with its
+//! successors in its row, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the
 //! boxes themselves, so the pairs are exact.
 //!
 //! The grid is chosen from a `sample` of the boxes; nothing has to be configured. Box sets that one
@@ -15,8 +15,8 @@ mod layout;
 mod partition;
 mod quantizer;
 mod region;
+mod row_sweep;
 mod rows;
-mod run;
 mod sample;
 
 use self::compare_all::CompareAll;
@@ -24,8 +24,8 @@ use self::layout::GridLayout;
 use self::partition::Partition;
 use self::quantizer::Quantizer;
 use self::region::Region;
+use self::row_sweep::SweepRows;
 use self::rows::{SortIntoRows, SortedRows};
-use self::run::SweepRows;
 use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::parallel;
@@ -63,7 +63,7 @@ impl Sweep {
     /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;
     /// Comparisons per box from which the hit rate is measured: twice the cost of dividing.
-    const LONG_RUNS: f64 = 256.0;
+    const MANY_COMPARISONS: f64 = 256.0;
     /// Hit rate below which boxes are divided.
     const IN_VAIN: f64 = 1.0 / 16.0;
 
@@ -115,8 +115,8 @@ impl Sweep {
             layout,
             rows: &mut self.rows,
         });
-        let are_long = comparisons as f64 > Self::LONG_RUNS * boxes.len() as f64;
-        if are_long && self.rows.hit_rate(boxes) < Self::IN_VAIN {
+        let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
+        if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
             let parts = &mut self.parts[depth];
             self.sample.cut_evenly(parts);
             if parts.divide(boxes, &mut self.copies_left) {
@@ -141,7 +141,7 @@ impl Sweep {
             shares,
             ..
         } = self;
-        let records = rows.run_ends.len();
+        let records = rows.successor_ends.len();
         let sweep = |records: Range<usize>, candidates: &mut Vec<Candidate>| {
             instructions.run(SweepRows {
                 boxes,

@@ -25,21 +25,21 @@ pub(super) struct SortedRows {
     /// Box of each record.
     pub(super) source: Vec<RecordSource>,
     /// For each record, the end of the records that start no later than it ends.
-    pub(super) run_ends: Vec<u32>,
+    pub(super) successor_ends: Vec<u32>,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
 }
 
 impl SortedRows {
-    /// Compares the boxes of a few records with some of their runs; returns the share of comparisons
+    /// Compares the boxes of a few records with some of their successors; returns the share of comparisons
     /// that find an overlap, 0..=1.
     pub(super) fn hit_rate(&self, boxes: &[BodyBox]) -> f64 {
         const RECORDS: usize = 16;
         const OTHERS: usize = 64;
         let (mut tested, mut met) = (0_u64, 0_u64);
-        for record in scattered(RECORDS, self.run_ends.len()) {
+        for record in scattered(RECORDS, self.successor_ends.len()) {
             let one = &boxes[self.source[record].number()];
-            let rest = self.run_ends[record] as usize - record - 1;
+            let rest = self.successor_ends[record] as usize - record - 1;
             for other in scattered(OTHERS.min(rest), rest) {
                 let other = self.source[record + 1 + other].number();
                 tested += 1;
@@ -220,20 +220,20 @@ fn scatter(layout: &GridLayout, rows: &mut SortedRows, count: usize) {
     }
 }
 
-/// Writes the faces of all records to their arrays, and the ends of their runs.
+/// Writes the faces of all records to their arrays, and the ends of their successors.
 #[inline(always)]
 fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
     let SortedRows {
         packed,
         cell_ends,
         source,
-        run_ends,
+        successor_ends,
         low,
         high,
         ..
     } = rows;
     let count = source.len() - STEP;
-    run_ends.resize(count, 0);
+    successor_ends.resize(count, 0);
     for face in low.iter_mut().chain(high.iter_mut()) {
         face.resize(count + STEP, 0);
     }
@@ -249,7 +249,7 @@ fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
         &mut high_y[..count],
         &mut high_z[..count],
     );
-    let (source, run_ends) = (&source[..count], &mut run_ends[..count]);
+    let (source, successor_ends) = (&source[..count], &mut successor_ends[..count]);
     let mut comparisons = 0;
     let mut start = 0;
     for row_ends in cell_ends.chunks_exact(layout.bins as usize) {
@@ -258,9 +258,9 @@ fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
             let one = &packed[source[k].number()];
             [low_x[k], low_y[k], low_z[k]] = one.low;
             [high_x[k], high_y[k], high_z[k]] = one.high;
-            let run_end = row_ends[part(one.high[layout.sweep], layout.bins) as usize];
-            run_ends[k] = run_end;
-            comparisons += u64::from(run_end) - k as u64;
+            let successor_end = row_ends[part(one.high[layout.sweep], layout.bins) as usize];
+            successor_ends[k] = successor_end;
+            comparisons += u64::from(successor_end) - k as u64;
         }
         start = end;
     }
@@ -371,22 +371,22 @@ mod tests {
     #[test]
     fn every_row_that_a_box_reaches_gets_a_copy() {
         let (rows, _) = sorted(0.5);
-        assert_eq!(rows.run_ends.len(), 64, "no box crosses a row's end");
+        assert_eq!(rows.successor_ends.len(), 64, "no box crosses a row's end");
         // Rows end each 16 m and each 8 m: four boxes reach over both ends, four over one.
         let (rows, _) = sorted(1.0);
         let copies = 64 + 3 * 3 + 4;
-        assert_eq!(rows.run_ends.len(), copies);
+        assert_eq!(rows.successor_ends.len(), copies);
         let first_copies = rows.source[..copies].iter().filter(|source| source.0 < 64);
         assert_eq!(first_copies.count(), 64);
     }
 
     #[test]
-    fn runs_hold_what_starts_before_the_end() {
-        // Bins are 4 m long, rows 8 m and more: each box is in a run with those of its own bin and
+    fn successors_are_what_starts_before_the_end() {
+        // Bins are 4 m long, rows 8 m and more: each box has as successors those of its own bin and
         // of its row's next bin, as far as its end reaches: at most 8 others.
         let (rows, comparisons) = sorted(3.5);
-        assert_eq!(rows.low[0].len(), rows.run_ends.len() + STEP);
-        for (record, &end) in rows.run_ends.iter().enumerate() {
+        assert_eq!(rows.low[0].len(), rows.successor_ends.len() + STEP);
+        for (record, &end) in rows.successor_ends.iter().enumerate() {
             let others = end as usize - record - 1;
             assert!(others < 8, "{others}");
         }
@@ -397,7 +397,7 @@ mod tests {
     fn too_many_copies_are_avoided() {
         // Boxes that reach over half of the world would have 6 to 15 copies each.
         let (rows, comparisons) = sorted(40.0);
-        assert_eq!(rows.run_ends.len(), 64);
+        assert_eq!(rows.successor_ends.len(), 64);
         assert_eq!(rows.cell_ends.len(), 16, "one row of bins");
         // Each with nearly all that follow.
         assert!(comparisons > 64 * 63 / 4, "{comparisons}");

@@ -1,4 +1,4 @@
-//! The sweep itself: every record against the run that follows it in its row.
+//! The sweep itself: every record against its successors in its row: those that begin before it ends, by their bins.
 
 use super::region::Region;
 use super::rows::{STEP, SortedRows};
@@ -35,7 +35,7 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
     #[inline(always)]
     fn run(mut self) {
         let SortedRows {
-            run_ends,
+            successor_ends,
             low: [low_x, low_y, low_z],
             high: [high_x, high_y, high_z],
             ..
@@ -53,9 +53,9 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
         for record in self.records.clone() {
             let low = [lows[0][record], lows[1][record], lows[2][record]];
             let high = [highs[0][record], highs[1][record], highs[2][record]];
-            let run_end = run_ends[record] as usize;
+            let successor_end = successor_ends[record] as usize;
             let mut next = record + 1;
-            while next < run_end {
+            while next < successor_end {
                 let lanes = meeting(lows, highs, next, low, high);
                 // Written in any case, kept where there is a hit: no branch to mispredict.
                 hits[count] = Hit {
@@ -111,14 +111,16 @@ impl<F: PairFilter> SweepRows<'_, F> {
     #[inline(never)]
     fn report(&mut self, hits: &[Hit]) {
         let SortedRows {
-            source, run_ends, ..
+            source,
+            successor_ends,
+            ..
         } = self.rows;
         for hit in hits {
             let record = hit.record as usize;
             let copy = source[record];
             let one = &self.boxes[copy.number()];
-            // What follows the run may be the same boxes in the next row.
-            let left = run_ends[record] - hit.next;
+            // What follows the successors may be the same boxes in the next row.
+            let left = successor_ends[record] - hit.next;
             let mut lanes = mask(hit.lanes);
             if left < 16 {
                 lanes &= (1 << left) - 1;
