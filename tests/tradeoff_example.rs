@@ -93,9 +93,13 @@ fn radii() {
 #[test]
 fn a_picture_without_encounters() {
     let folder = folder("tradeoff-picture");
-    let done = stepped(&folder, &passing(10.0, None), &["--pictures", "."]);
+    let done = stepped(
+        &folder,
+        &passing(10.0, None),
+        &["--pictures", "drawn/pictures"],
+    );
     assert!(done.status.success(), "{}", plain(&done.stderr));
-    let drawn = read_to_string(folder.join("tradeoff-stepped.svg")).unwrap();
+    let drawn = read_to_string(folder.join("drawn/pictures/tradeoff-stepped.svg")).unwrap();
     let labels: Vec<&str> = drawn
         .lines()
         .filter(|line| !line.starts_with('<'))

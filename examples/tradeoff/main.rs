@@ -79,7 +79,7 @@ struct Arguments {
     /// File for all tables as JSON; replaced if it exists.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// A folder for the pictures tradeoff-pair.svg and tradeoff-stepped.svg.
+    /// A folder for the pictures tradeoff-pair.svg and tradeoff-stepped.svg; made if it does not exist.
     #[arg(long)]
     pictures: Option<PathBuf>,
 }
@@ -158,6 +158,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let json = arguments.json.as_deref().map(Product::at).transpose()?;
+    if let Some(folder) = &arguments.pictures {
+        let explain = |error| format!("--pictures {}: {error}", terminal::name(folder));
+        std::fs::create_dir_all(folder).map_err(explain)?;
+    }
     let pictures = arguments.pictures().into_iter();
     let pictures = pictures.map(|(name, file)| Ok((name, Product::at(&file)?)));
     let pictures = pictures.collect::<Result<Vec<_>, String>>()?;
