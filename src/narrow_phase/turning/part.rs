@@ -37,9 +37,9 @@ pub(super) struct PartScratch {
     /// Spheres of b that may be near some of a's, by number, with their control points in the unit of lengths.
     near_b: Vec<(u32, [DVec3; 4])>,
     candidates: Vec<SphereCandidate>,
-    /// The candidates over the two halves of the part.
-    halves: [Vec<SphereCandidate>; 2],
-    /// True for each candidate that may be the nearest one in some half.
+    /// Candidates, each with its place among all of them, over the part, over one of its halves, and so on.
+    over_halves: Vec<(usize, SphereCandidate)>,
+    /// True for each candidate that may be the nearest one at some time.
     are_nearest: Vec<bool>,
     /// Lower bound of the separation of two spheres that may come near, in the unit of lengths, and their numbers.
     bounds: Vec<(f64, (u32, u32))>,
@@ -70,7 +70,7 @@ impl PartScratch {
 }
 
 impl SphereCandidate {
-    /// Returns the two spheres over both halves of the part.
+    /// Returns the two spheres over both halves of the interval.
     fn halves(&self) -> [Self; 2] {
         let [mut first, mut second] = [*self; 2];
         let mut level = self.heights;
@@ -103,39 +103,74 @@ impl SphereCandidate {
         let excess = (self.radii - near.radii).max(0.0) + slack;
         let rounding = self.rounding + near.rounding;
         let least = difference_of_squares(*distance, excess) + rounding;
-        let mut heights = self.heights.iter().zip(&near.heights);
-        heights.all(|(far, near)| far - near > least)
+        // Without a branch: the processor cannot predict which one is behind.
+        let mut lowest = f64::INFINITY;
+        for (far, near) in self.heights.iter().zip(&near.heights) {
+            let above = far - near;
+            lowest = if above < lowest { above } else { lowest };
+        }
+        lowest > least
     }
 }
 
-/// Keeps the candidates that are marked.
-fn keep_marked(candidates: &mut Vec<SphereCandidate>, are_marked: &[bool]) {
-    let mut are_marked = are_marked.iter();
-    candidates.retain(|_| are_marked.next() == Some(&true));
-}
-
-/// Marks the candidates that may be the nearest ones at some time: no other one is nearer by more than
-/// `slack` all the time.
-fn mark_nearest(candidates: &[SphereCandidate], slack: f64, are_nearest: &mut [bool]) {
+/// Removes the candidates from `first` on in a list of which another one is nearer by more than `slack` all the time.
+fn remove_behind(candidates: &mut Vec<(usize, SphereCandidate)>, first: usize, slack: f64) {
     // Those that are nearest, or nearly so, at three instants.
-    let mut nearest = [(f64::INFINITY, 0); 3];
-    for (number, candidate) in candidates.iter().enumerate() {
+    let mut nearest = [(f64::INFINITY, first); 3];
+    for (place, (_, candidate)) in candidates.iter().enumerate().skip(first) {
         for (nearest, power) in nearest.iter_mut().zip(candidate.powers()) {
             if power < nearest.0 {
-                *nearest = (power, number);
+                *nearest = (power, place);
             }
         }
     }
-    let nearest = nearest.map(|(_, number)| (candidates[number], candidates[number].farthest()));
-    for (candidate, is_nearest) in candidates.iter().zip(are_nearest) {
-        let is_behind = |near: &(SphereCandidate, f64)| candidate.is_behind(near, slack);
-        *is_nearest = *is_nearest || !nearest.iter().any(is_behind);
+    let nearest = nearest.map(|(_, place)| {
+        let (_, near) = candidates[place];
+        (near, near.farthest())
+    });
+    let mut kept = first;
+    for place in first..candidates.len() {
+        let one = candidates[place];
+        candidates[kept] = one;
+        kept += usize::from(!nearest.iter().any(|near| one.1.is_behind(near, slack)));
+    }
+    candidates.truncate(kept);
+}
+
+/// Marks the candidates from `first` on in a list that may be the nearest ones at some time of the interval of the
+/// list, and removes them from it. If they are not few, halves of the interval are looked at one by one, and halves of
+/// these, so many times.
+fn mark_nearest(
+    candidates: &mut Vec<(usize, SphereCandidate)>,
+    first: usize,
+    slack: f64,
+    halvings: u32,
+    are_nearest: &mut [bool],
+) {
+    remove_behind(candidates, first, slack);
+    let end = candidates.len();
+    if halvings == 0 || end - first <= SpheresOverPart::FEW {
+        for (number, _) in candidates.drain(first..) {
+            are_nearest[number] = true;
+        }
+        return;
+    }
+    for place in first..end {
+        let (number, candidate) = candidates[place];
+        let [before, after] = candidate.halves();
+        candidates[place].1 = before;
+        candidates.push((number, after));
+    }
+    for first in [end, first] {
+        mark_nearest(candidates, first, slack, halvings - 1, are_nearest);
     }
 }
 
 impl<'a> SpheresOverPart<'a> {
     /// Largest number of candidates of which all are solved.
     const FEW: usize = 2;
+    /// Number of times that a part is halved to find the nearest candidates: rounding allows no more.
+    const HALVINGS: u32 = 3;
 
     pub(super) fn new(
         views: [&'a BodyView<'a>; 2],
@@ -191,7 +226,7 @@ impl<'a> SpheresOverPart<'a> {
             return;
         }
         let PartScratch {
-            halves,
+            over_halves,
             are_nearest,
             ..
         } = scratch;
@@ -201,24 +236,11 @@ impl<'a> SpheresOverPart<'a> {
         let slack = 2.0 * (rounding + self.error) * normalising_power(self.scale);
         are_nearest.clear();
         are_nearest.resize(candidates.len(), false);
-        mark_nearest(candidates, slack, are_nearest);
-        keep_marked(candidates, are_nearest);
-        if candidates.len() <= Self::FEW {
-            return;
-        }
-        // Few are behind one other all the time: the rest are compared in each half.
-        are_nearest.clear();
-        are_nearest.resize(candidates.len(), false);
-        halves.iter_mut().for_each(Vec::clear);
-        for candidate in &*candidates {
-            for (half, in_half) in halves.iter_mut().zip(candidate.halves()) {
-                half.push(in_half);
-            }
-        }
-        for half in halves {
-            mark_nearest(half, slack, are_nearest);
-        }
-        keep_marked(candidates, are_nearest);
+        over_halves.clear();
+        over_halves.extend(candidates.iter().copied().enumerate());
+        mark_nearest(over_halves, 0, slack, Self::HALVINGS, are_nearest);
+        let mut are_nearest = are_nearest.iter();
+        candidates.retain(|_| are_nearest.next() == Some(&true));
     }
 
     /// Returns a bound on the motion of two centres between an instant and its rounded value, m; or infinity.
@@ -420,9 +442,10 @@ impl<'a> SpheresOverPart<'a> {
     }
 }
 
-/// Returns a bound of the rounding of heights, of a part or of half of it.
+/// Returns a bound of the rounding of heights, of a part or of what is left of it after some
+/// [halvings](SpheresOverPart::HALVINGS).
 fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
-    // Of the largest square: 10 of the heights of the part, 6 of their means.
+    // Of the largest square: 10 of the heights of the part, 6 of their means each time.
     let squares = points.map(DVec3::length_squared);
     32.0 * UNIT_ROUNDOFF * squares.into_iter().fold(0.0, f64::max)
 }
