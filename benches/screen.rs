@@ -1,5 +1,6 @@
 //! Time of a whole screening, from trajectories to conflicts, on one thread: `screen/METHOD/SCENE`;
-//! and of `swarm_10k` where each body is a cube covered by so many spheres: `spheres/ACCURACY/COUNT`.
+//! and of `swarm_10k` where each body is a cube covered by so many spheres: `spheres/ACCURACY/COUNT`,
+//! and `spheres/turning/COUNT` if it turns.
 //!
 //! `elem/s` counts bodies. With `NEARMISS_DATA`, a folder of recordings, in the environment, those are
 //! screened as well, by the default method. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
@@ -19,6 +20,7 @@ mod scenes;
 #[path = "../examples/terminal/escape.rs"]
 mod terminal;
 
+use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -27,9 +29,9 @@ use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
 };
-use nearmiss::glam::DVec3;
+use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::internals::{Method, QueryInternals};
-use nearmiss::{Accuracy, Body, BodyId, Hitbox, Query, Scene, Sphere, Trajectory};
+use nearmiss::{Accuracy, Body, BodyId, Hitbox, Orientation, Query, Scene, Sphere, Trajectory};
 use rayon::ThreadPool;
 use scenes::{Generated, Shape, satellites, swarm};
 
@@ -165,6 +167,14 @@ fn cube(along: u32) -> Hitbox {
     hitbox.unwrap_or_else(|error| panic!("a cube is refused: {error}"))
 }
 
+/// Returns a rotation by one revolution in 12 s, about an axis of the body's own.
+fn turning(id: BodyId) -> Orientation {
+    let number = f64::from(id.slot());
+    let axis = DVec3::new(number.cos(), number.sin(), (0.7 * number).cos());
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, axis.normalize() * (TAU / 12.0));
+    spin.unwrap_or_else(|error| panic!("a spin is refused: {error}"))
+}
+
 fn spheres(criterion: &mut Criterion) {
     let pool = one_thread();
     let mut group = group(criterion, "spheres");
@@ -176,10 +186,20 @@ fn spheres(criterion: &mut Criterion) {
             replaced.unwrap_or_else(|error| panic!("{error}"));
         }
         let query = query.with_margin(0.0);
-        for (accuracy, title) in [
-            (Accuracy::Exact, "exact"),
-            (Accuracy::Certified, "certified"),
+        for (accuracy, turns, title) in [
+            (Accuracy::Exact, false, "exact"),
+            (Accuracy::Certified, false, "certified"),
+            (Accuracy::Exact, true, "turning"),
         ] {
+            for &id in &ids {
+                let orientation = if turns {
+                    turning(id)
+                } else {
+                    Orientation::FIXED
+                };
+                let replaced = scene.set_orientation(id, orientation);
+                replaced.unwrap_or_else(|error| panic!("{error}"));
+            }
             let (query, id) = (
                 query.with_accuracy(accuracy),
                 BenchmarkId::new(title, along.pow(3)),

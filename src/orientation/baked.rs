@@ -1,6 +1,7 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
 use crate::accuracy::Accuracy;
+use crate::blossom::restrict;
 use crate::rounding::{UNIT_ROUNDOFF, latest_exact, norm};
 use glam::{DMat3, DVec3};
 
@@ -128,29 +129,28 @@ impl BakedRotation {
         let between = |p: DMat3, q: DMat3, time: f64| {
             p * ((self.end - time) / duration) + q * ((time - self.start) / duration)
         };
-        let (a0, a1, a2) = (
-            between(p0, p1, start),
-            between(p1, p2, start),
-            between(p2, p3, start),
-        );
-        let (b0, b1, b2) = (
-            between(p0, p1, end),
-            between(p1, p2, end),
-            between(p2, p3, end),
-        );
-        let (aa0, aa1) = (between(a0, a1, start), between(a1, a2, start));
-        let (bb0, bb1) = (between(b0, b1, end), between(b1, b2, end));
         Self {
             start,
             end,
-            points: [
-                between(aa0, aa1, start),
-                between(aa0, aa1, end),
-                between(bb0, bb1, start),
-                between(bb0, bb1, end),
-            ],
+            points: restrict(
+                &self.points,
+                |p, q| between(p, q, start),
+                |p, q| between(p, q, end),
+            ),
             // Three levels of five roundings, of matrices whose norms are below 2.5.
             error: self.error + 64.0 * UNIT_ROUNDOFF,
         }
+    }
+
+    /// Returns the control points over both halves of the interval: those of the cubic, but for three roundings.
+    pub(crate) fn halves(&self) -> [Self; 2] {
+        let mean = |p: DMat3, q: DMat3| (p + q) * 0.5;
+        let middle = self.start + 0.5 * (self.end - self.start);
+        let first = restrict(&self.points, |p, _| p, mean);
+        let last = restrict(&self.points, mean, |_, q| q);
+        [
+            Self::new((self.start, middle), first, self.error),
+            Self::new((middle, self.end), last, self.error),
+        ]
     }
 }

@@ -7,6 +7,7 @@
 //! The cuts depend on the orientations alone, and each part is solved as a whole. Hence a window,
 //! a margin or a slicing selects parts, and changes no bit of their results.
 
+mod candidates;
 mod cells;
 mod half_space;
 mod part;
@@ -196,15 +197,12 @@ impl<'a> TurningPair<'a> {
 
     /// Returns the spheres over a part of the span, or `None` if the bounding spheres are certainly
     /// farther apart than `margin`, which may be infinite.
-    fn part<'r>(
+    fn part(
         &self,
         cell: &Cell,
         margin: f64,
-        rotations: &'r mut Rotations,
-    ) -> Option<SpheresOverPart<'r>>
-    where
-        'a: 'r,
-    {
+        rotations: &mut Rotations,
+    ) -> Option<SpheresOverPart<'a>> {
         let (motion, scale) = (self.motion(cell.span), self.scale(cell.span));
         if margin < f64::INFINITY && self.is_beyond(&motion, margin, scale) {
             return None;

@@ -42,7 +42,7 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Turner {
     let speed = [0.5, 4.0][kind / 3 % 2] * size;
     let states = [0.0, 0.4, 1.0]
         .map(|time| State::new(first + time, vector(rng, 2.0 * size), vector(rng, speed)));
-    let count = rng.random_range(1..9);
+    let count = rng.random_range(if kind % 8 == 7 { 9..20 } else { 1..9 });
     let spheres = (0..count).map(|number| {
         // Some alike, some small, some points.
         let radius = [0.3, 0.3, rng.random_range(0.0..0.5), 0.0][number % 4] * size;

@@ -1,0 +1,158 @@
+//! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
+
+use crate::narrow_phase::sphere_pair::difference_of_squares;
+use crate::rounding::UNIT_ROUNDOFF;
+use glam::DVec3;
+
+/// Largest number of times that an interval is halved to find the nearest candidates: rounding allows no more.
+pub(super) const HALVINGS: u32 = 3;
+
+/// Two spheres that may come within the margin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SphereCandidate {
+    /// Numbers of a's sphere and b's.
+    pub(super) spheres: (u32, u32),
+    /// Control heights of the squared distance, in the square of the unit of lengths.
+    pub(super) heights: [f64; 7],
+    /// Least height, at least 0.
+    pub(super) lowest: f64,
+    /// Bound of the heights' rounding.
+    pub(super) rounding: f64,
+    /// Sum of the radii, in the unit of lengths.
+    pub(super) radii: f64,
+}
+
+impl SphereCandidate {
+    /// Returns the two spheres over both halves of the interval.
+    fn halves(&self) -> [Self; 2] {
+        let [mut first, mut second] = [*self; 2];
+        let mut level = self.heights;
+        for degree in (0..7).rev() {
+            first.heights[6 - degree] = level[0];
+            second.heights[degree] = level[degree];
+            for place in 0..degree {
+                level[place] = 0.5 * (level[place] + level[place + 1]);
+            }
+        }
+        [first, second]
+    }
+
+    /// Returns what tells how near the spheres are at the start, in the middle and at the end of the part: the
+    /// squared distance less the squared sum of the radii.
+    fn powers(&self) -> [f64; 3] {
+        let [h0, h1, h2, h3, h4, h5, h6] = self.heights;
+        let middle = (((h0 + h6) + 6.0 * (h1 + h5)) + (15.0 * (h2 + h4) + 20.0 * h3)) / 64.0;
+        [h0, middle, h6].map(|square| square - self.radii * self.radii)
+    }
+
+    /// Returns a bound of the distance, to rounding, in the unit of lengths.
+    fn farthest(&self) -> f64 {
+        self.heights.into_iter().fold(0.0, f64::max).sqrt()
+    }
+
+    /// Returns true if another pair, which stays within a distance, is nearer by more than `slack` over the
+    /// whole part.
+    fn is_behind(&self, (near, distance): &(Self, f64), slack: f64) -> bool {
+        let excess = (self.radii - near.radii).max(0.0) + slack;
+        let rounding = self.rounding + near.rounding;
+        let least = difference_of_squares(*distance, excess) + rounding;
+        // Without a branch: the processor cannot predict which one is behind.
+        let mut lowest = f64::INFINITY;
+        for (far, near) in self.heights.iter().zip(&near.heights) {
+            let above = far - near;
+            lowest = if above < lowest { above } else { lowest };
+        }
+        lowest > least
+    }
+}
+
+/// Removes the candidates from `first` on in a list of which another one is nearer by more than `slack` all the time.
+fn remove_behind(candidates: &mut Vec<SphereCandidate>, first: usize, slack: f64) {
+    // Those that are nearest, or nearly so, at three instants.
+    let mut nearest = [(f64::INFINITY, first); 3];
+    for (place, candidate) in candidates.iter().enumerate().skip(first) {
+        for (nearest, power) in nearest.iter_mut().zip(candidate.powers()) {
+            if power < nearest.0 {
+                *nearest = (power, place);
+            }
+        }
+    }
+    let nearest = nearest.map(|(_, place)| (candidates[place], candidates[place].farthest()));
+    let mut kept = first;
+    for place in first..candidates.len() {
+        let one = candidates[place];
+        candidates[kept] = one;
+        kept += usize::from(!nearest.iter().any(|near| one.is_behind(near, slack)));
+    }
+    candidates.truncate(kept);
+}
+
+/// Moves the pairs of spheres from `first` on in a list that may be the nearest ones at some time to `nearest`: no
+/// other one is nearer by more than `slack` all the time. If they are not few, halves of the interval are
+/// looked at one by one, and halves of these, so many times. Some pairs come several times.
+pub(super) fn find_nearest(
+    candidates: &mut Vec<SphereCandidate>,
+    first: usize,
+    slack: f64,
+    halvings: u32,
+    nearest: &mut Vec<(u32, u32)>,
+) {
+    /// Largest number of candidates of which all may be the nearest ones.
+    const FEW: usize = 2;
+    if candidates.len() - first > FEW {
+        remove_behind(candidates, first, slack);
+    }
+    let end = candidates.len();
+    if halvings == 0 || end - first <= FEW {
+        nearest.extend(candidates.drain(first..).map(|one| one.spheres));
+        return;
+    }
+    for place in first..end {
+        let [before, after] = candidates[place].halves();
+        candidates[place] = before;
+        candidates.push(after);
+    }
+    for first in [end, first] {
+        find_nearest(candidates, first, slack, halvings - 1, nearest);
+    }
+}
+
+/// Returns a bound of the rounding of heights, of a part or of what is left of it after so many [halvings](HALVINGS).
+pub(super) fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
+    // Of the largest square: 10 of the heights of the part, 6 of their means each time.
+    let squares = points.map(DVec3::length_squared);
+    32.0 * UNIT_ROUNDOFF * squares.into_iter().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::enclosure::squared_distance;
+    use crate::narrow_phase::relative::rejection_threshold;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Centres that meet at half time, and two spheres that stay at a tiny distance: at that instant they are
+    /// farther, whatever the rounding of heights.
+    #[test]
+    fn spheres_that_meet_between_two_halves_are_not_behind() {
+        let candidate = |points: [DVec3; 4]| SphereCandidate {
+            spheres: (0, 0),
+            heights: squared_distance(&points),
+            lowest: 0.0,
+            rounding: rounding_of_heights(&points),
+            radii: 0.5,
+        };
+        let near = candidate([DVec3::new(0.0, 1e-10, 0.0); 4]);
+        let slack = rejection_threshold(0.0, 1.0);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for round in 0..1_000 {
+            let way = DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let meeting = candidate([-way, way / -3.0, way / 3.0, way]);
+            for half in meeting.halves() {
+                let is_behind = half.is_behind(&(near, near.farthest()), slack);
+                assert!(!is_behind, "{round} {way}");
+            }
+        }
+    }
+}
