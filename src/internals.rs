@@ -8,7 +8,8 @@
 //! 1. `trajectory`: states become [`Segment`](crate::Segment)s. Beyond its knots a body follows an *end
 //!    motion*, the cubic before its first knot and the one after its last. A *piece* is a segment, or a part
 //!    of an end motion between two *cuts*. End motions and legs of constant velocity are in *power form*,
-//!    other cubics in Bézier form. A *straight motion* is a trajectory from one state. A *plan* is any
+//!    other cubics in Bézier form. Pieces beyond
+//!    the knots are twice as long each time (`DoublingCuts`). A *straight motion* is a trajectory from one state. A *plan* is any
 //!    trajectory, or one that is no straight motion where both are named. A body that *turns* has a rotation.
 //!    - A state that the caller gives is *told*. Where states are told each frame, a straight motion is
 //!      *replaced* by another one in place: the trajectory keeps its few *recent motions*. The facts that a new

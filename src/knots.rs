@@ -9,7 +9,7 @@ use glam::DVec3;
 /// The first and last knot are read most often, and mostly lie in no cache, so they are copied.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Knots<'a> {
-    /// The plan's knots.
+    /// The plan's knots, or the cuts of a motion that has no list of them.
     own: &'a [f64],
     ends: (f64, f64),
     /// The motion, if not all of its cubics are in the list of a plan: they follow from it.

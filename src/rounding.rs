@@ -75,13 +75,13 @@
 //! | points of a compact trajectory beyond the knots, extent | `bounds/points`, `sub_cubic` | `points::tests` |
 //! | own error of a segment, whole or in part | `bounds/points` | `points::tests::what_is_badly_known_is_held` |
 //! | splits of a compact trajectory | `bounds/sub_cubic` | `sub_cubic::tests` |
-//! | hitbox and margin, underflow | `bounds/source` | `source::tests` |
+//! | hitbox and margin, underflow | `bounds/placement` | `source::tests` |
 //! | line of a run of cubics; its way in no time; its sum; sums of a fat line, lengths that vanish | `bounds/builder` | `builder::tests` |
 //! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
 //! | the way of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
 //! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
-//! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `search/slice_length` | `tests/monitor` `budgets` |
+//! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `screen/mod` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //! | values of a motion, remainder by a fourth derivative | `trajectory/fit/motion` | `tests/fit` `proven` |
 //! | values of a motion that are seen | `trajectory/fit/motion` | `tests/fit` `estimated` |
@@ -145,7 +145,7 @@ pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 /// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two
 /// zeros either may come out as the later one.
 #[inline]
-pub(crate) const fn one_zero(time: f64) -> f64 {
+pub(crate) const fn without_negative_zero(time: f64) -> f64 {
     time + 0.0
 }
 

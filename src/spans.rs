@@ -101,7 +101,7 @@ fn spans_from<'k, const EXTENDED: bool>(
         i: hints.0 as usize,
         j: hints.1 as usize,
         to,
-        lone: None,
+        single_instant: None,
     };
     match common_domain(a, b) {
         Some((start, end)) if start < end => {
@@ -112,7 +112,7 @@ fn spans_from<'k, const EXTENDED: bool>(
         shared => {
             // Only a single shared instant gives a span of no duration: every cubic lasts.
             (spans.i, spans.j) = (a.cubics(), b.cubics());
-            spans.lone = shared
+            spans.single_instant = shared
                 .filter(|&(instant, _)| from <= instant && instant <= to)
                 .map(|(start, end)| Span {
                     start,
@@ -142,15 +142,15 @@ pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
     i: usize,
     j: usize,
     to: f64,
-    lone: Option<Span>,
+    single_instant: Option<Span>,
 }
 
 impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
     type Item = Span;
 
     fn next(&mut self) -> Option<Span> {
-        if let Some(lone) = self.lone.take() {
-            return Some(lone);
+        if let Some(single_instant) = self.single_instant.take() {
+            return Some(single_instant);
         }
         loop {
             let a_end = self.a.end::<EXTENDED>(self.i)?;

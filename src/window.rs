@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::readable::Readable;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use std::fmt;
 
 /// A closed interval of time, s. It may be a single instant, or open-ended (infinite).
@@ -51,8 +51,8 @@ impl Window {
         let holds_an_instant = start <= end && start < f64::INFINITY && end > f64::NEG_INFINITY;
         if holds_an_instant {
             Ok(Self {
-                start: one_zero(start),
-                end: one_zero(end),
+                start: without_negative_zero(start),
+                end: without_negative_zero(end),
             })
         } else {
             Err(Error::Window { start, end })

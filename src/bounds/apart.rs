@@ -28,14 +28,14 @@ pub(crate) enum HullTest {
 /// control points of the relative motion lie beyond the margin on an axis or along their sum.
 pub(crate) fn hull_test(a: &BodyCubic<'_>, b: &BodyCubic<'_>, interval: (f64, f64)) -> HullTest {
     if a.source.knots.are_extended() || b.source.knots.are_extended() {
-        see::<true>(a, b, interval)
+        hull_test_of::<true>(a, b, interval)
     } else {
-        see::<false>(a, b, interval)
+        hull_test_of::<false>(a, b, interval)
     }
 }
 
 #[inline(always)]
-fn see<const EXTENDED: bool>(
+fn hull_test_of<const EXTENDED: bool>(
     a: &BodyCubic<'_>,
     b: &BodyCubic<'_>,
     (from, to): (f64, f64),

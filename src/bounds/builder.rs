@@ -74,7 +74,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         slice: &SliceInterval<MOVES>,
     ) -> Self {
         Self {
-            // It does not go through the ends of their lines.
+            // The new line does not go through the ends of the runs' lines.
             low: first.low,
             high: first.high,
             ..Self::toward((first.start, slice.from), last.end, slice)

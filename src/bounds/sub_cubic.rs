@@ -28,8 +28,8 @@ impl SubCubic {
     /// Spread: differences of points are at most 2. At each level a difference and its product with
     /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
     /// Coordinates of a part may be smaller than the rounded ones, by 2 for each rounding of these: 2 at
-    /// first, with 2 spare. Of a split's, the share has 3 spare: below 1 it is rounded half as
-    /// much.
+    /// first, with 2 spare. Of a split's, the count for the share has 3 to spare: a share below 1 is rounded
+    /// half as much as counted.
     pub(super) const OF_COORDINATES: [f32; 2] = [6.0, 3.0];
     pub(super) const OF_SPREAD: [f32; 2] = [4.0, 24.0];
 

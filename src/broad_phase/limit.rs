@@ -21,8 +21,9 @@ impl<'f, F: PairFilter> CandidateLimit<'f, F> {
         }
     }
 
+    /// Returns true if more pairs were admitted than there is room for.
     #[inline]
-    pub(crate) fn is_short(&self) -> bool {
+    pub(crate) fn is_exceeded(&self) -> bool {
         self.admitted.load(Ordering::Relaxed) > self.most
     }
 }
@@ -39,7 +40,7 @@ impl<F: PairFilter> PairFilter for CandidateLimit<'_, F> {
 
     #[inline]
     fn gives_up(&self) -> bool {
-        self.is_short() || self.filter.gives_up()
+        self.is_exceeded() || self.filter.gives_up()
     }
 }
 

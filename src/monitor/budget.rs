@@ -30,7 +30,7 @@ pub enum Budget {
 pub(super) struct BudgetMeter {
     deadline: Option<Instant>,
     /// Largest work.
-    left: Option<u64>,
+    limit: Option<u64>,
     /// Prescribed end of the known time, s.
     until: Option<f64>,
     done: u64,
@@ -38,14 +38,14 @@ pub(super) struct BudgetMeter {
 
 impl BudgetMeter {
     pub(super) fn start(budget: Budget) -> Self {
-        let (deadline, left) = match budget {
+        let (deadline, limit) = match budget {
             Budget::Unlimited => (None, None),
             Budget::Time(time) => (Instant::now().checked_add(time), None),
             Budget::Work(work) => (None, Some(work)),
         };
         Self {
             deadline,
-            left,
+            limit,
             until: None,
             done: 0,
         }
@@ -71,7 +71,7 @@ impl BudgetMeter {
     }
 
     pub(super) fn is_unlimited(&self) -> bool {
-        self.deadline.is_none() && self.left.is_none() && self.until.is_none()
+        self.deadline.is_none() && self.limit.is_none() && self.until.is_none()
     }
 
     pub(super) fn count(&mut self, work: usize) {
@@ -81,6 +81,6 @@ impl BudgetMeter {
     pub(super) fn is_spent(&self) -> bool {
         // However little time there is, something is done: else nothing ever would be.
         let is_late = |end| self.done > 0 && Instant::now() >= end;
-        self.left.is_some_and(|left| self.done >= left) || self.deadline.is_some_and(is_late)
+        self.limit.is_some_and(|limit| self.done >= limit) || self.deadline.is_some_and(is_late)
     }
 }

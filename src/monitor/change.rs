@@ -3,7 +3,7 @@
 use super::Monitor;
 use super::command::{ChangeContext, Command, CommandBatch, PairRule};
 use super::event::EndReason;
-use super::grid::{Grid, RescheduleTrigger, SceneEstimate};
+use super::grid::{Grid, GridReview, SceneEstimate};
 use super::lookahead::push_once;
 use super::monitored_bodies::MonitoredBody;
 use super::read::LevelCaches;
@@ -364,13 +364,13 @@ impl Monitor {
             hitbox.map(|hitbox| (hitbox.is_half_space(), hitbox.spheres().len()))
         };
         let simpler = if cost(a) <= cost(b) { a } else { b };
-        self.search.forget(simpler.slot);
+        self.search.mark_changed(simpler.slot);
         Ok(())
     }
 
     /// Returns the context in which changes are prepared now.
     pub(super) fn change_context(&self) -> Result<ChangeContext<'_>, Error> {
-        let end = self.search.laid_out(self.now + self.lookahead);
+        let end = self.search.plans_needed_until(self.now + self.lookahead);
         Ok(ChangeContext {
             margin_and_frame: self.search.margin_and_frame(),
             window: Window::new(self.reported, end)?,
@@ -380,7 +380,7 @@ impl Monitor {
     }
 
     /// Adds all bodies of the scene to a search without bodies.
-    pub(super) fn lay_out(&mut self) -> Result<(), Error> {
+    pub(super) fn prepare_all_bodies(&mut self) -> Result<(), Error> {
         let context = self.change_context()?;
         let bodies = self.scene.bodies();
         let prepared = bodies.map(|(id, body)| {
@@ -398,7 +398,7 @@ impl Monitor {
     pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
         let renewed = self.search.renewed(grid);
         let before = std::mem::replace(&mut self.search, renewed);
-        if let Err(error) = self.lay_out() {
+        if let Err(error) = self.prepare_all_bodies() {
             self.search = before;
             return Err(error);
         }
@@ -422,10 +422,10 @@ impl Monitor {
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
-            if !(may_wait && self.reschedule.is_due(bodies, now, self.lookahead)) {
+            if !(may_wait && self.grid_review.is_due(bodies, now, self.lookahead)) {
                 return Ok(());
             }
-            self.reschedule = RescheduleTrigger::after_comparison(bodies, now);
+            self.grid_review = GridReview::after_comparison(bodies, now);
             let velocity = grid.frame.velocity();
             let estimate = SceneEstimate::of(&self.scene, margin, lookahead, velocity);
             if grid.suits(&self.scene, margin, &estimate) {
@@ -434,7 +434,7 @@ impl Monitor {
         }
         let other = Grid::for_scene(&self.scene, margin, lookahead, now)?;
         if can_stay && self.search.grid.serves(&self.scene, margin, &other) {
-            self.reschedule.was_in_vain();
+            self.grid_review.was_in_vain();
             self.search.grid.confirm(&other);
             return Ok(());
         }
@@ -463,7 +463,7 @@ impl Monitor {
 
     pub(super) const fn count_changes(&mut self, count: usize) {
         self.changed_bodies += count as u64;
-        self.reschedule.changes += count;
+        self.grid_review.changes += count;
     }
 
     pub(super) fn register(&mut self, id: BodyId, monitored: Option<MonitoredBody>) {

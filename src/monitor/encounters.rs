@@ -46,7 +46,8 @@ pub(super) struct TrackedEncounter {
     passed: Option<ClosestApproach>,
 }
 
-/// The numbers of an encounter that the last event about it gave: a revision is measured from them.
+/// The numbers of an encounter that its first event or its last revision gave: the next revision is measured from
+/// them. (`Began` gives numbers as well, but does not count: a change that is kept back before it is not lost.)
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct SentNumbers {
@@ -278,7 +279,7 @@ impl EncounterTracker {
         encounters
     }
 
-    /// Ends or withdraws, at the clock, the encounters of bodies in slots for which `is_gone` returns true.
+    /// Ends or withdraws, at a time (s), the encounters of bodies in slots for which `is_gone` returns true.
     pub(super) fn end(
         &mut self,
         now: f64,

@@ -148,8 +148,9 @@ pub enum EventKind {
     /// reported once a lookahead. [`Monitor::encounters`](crate::Monitor::encounters) gives it at
     /// each tick.
     Predicted(Encounter),
-    /// The encounter changed by more than the [revision threshold](crate::RevisionThreshold) since its last event:
-    /// its enter or exit, its closest approach, or the model error of its bodies.
+    /// The encounter changed by more than the [revision threshold](crate::RevisionThreshold) since its
+    /// first event or its last `Revised`: its enter or exit, its closest approach, or the model error of its bodies. If it began in the same tick,
+    /// `Began` comes first, with the same numbers: the change is from those before both.
     Revised(Encounter),
     /// The encounter will not take place. It had not begun.
     Withdrawn(Encounter),

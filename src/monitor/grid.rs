@@ -34,7 +34,7 @@ pub(super) struct SceneEstimate {
 
 /// The last comparison of a grid with its scene, and the changes since.
 #[derive(Debug)]
-pub(super) struct RescheduleTrigger {
+pub(super) struct GridReview {
     /// Number of bodies then.
     bodies: usize,
     /// The clock then, s.
@@ -44,7 +44,7 @@ pub(super) struct RescheduleTrigger {
     enough: usize,
 }
 
-impl RescheduleTrigger {
+impl GridReview {
     /// Fewer changes are no reason for a comparison.
     const FEW: usize = 64;
 

@@ -142,7 +142,7 @@ impl LookaheadSearch {
     /// for again.
     pub(super) fn set(&mut self, slot: u32, monitored: Option<MonitoredBody>) {
         self.monitored.set(slot, monitored);
-        self.forget(slot);
+        self.mark_changed(slot);
     }
 
     /// Replaces the plan of the body in a slot over `window`. Its solved spans are dropped, and
@@ -154,7 +154,7 @@ impl LookaheadSearch {
         window: Window,
     ) -> Result<(), Error> {
         self.monitored.replan(slot, trajectory, window)?;
-        self.forget(slot);
+        self.mark_changed(slot);
         Ok(())
     }
 
@@ -162,7 +162,7 @@ impl LookaheadSearch {
     pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
         let padding = Padding::of(shape, self.margin, &self.grid.frame);
         self.monitored.set_padding(slot, padding);
-        self.forget(slot);
+        self.mark_changed(slot);
     }
 
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
@@ -182,7 +182,7 @@ impl LookaheadSearch {
         }
         for slot in (0_u32..).take(self.monitored.len()) {
             if self.monitored.set_partner(slot, has(slot)) {
-                self.forget(slot);
+                self.mark_changed(slot);
             }
         }
     }
@@ -193,12 +193,12 @@ impl LookaheadSearch {
     }
 
     /// Marks a body as changed: its pairs are searched for again.
-    pub(super) fn forget(&mut self, slot: u32) {
-        self.forget_all(once(slot));
+    pub(super) fn mark_changed(&mut self, slot: u32) {
+        self.mark_all_changed(once(slot));
     }
 
     /// Marks some bodies as changed; returns their number.
-    pub(super) fn forget_all(&mut self, slots: impl Iterator<Item = u32>) -> usize {
+    pub(super) fn mark_all_changed(&mut self, slots: impl Iterator<Item = u32>) -> usize {
         let mut count = 0;
         for slot in slots {
             let place = slot as usize;
@@ -238,13 +238,13 @@ impl LookaheadSearch {
 
     /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: the end of
     /// the slice after its last one, since slices are formed as a whole.
-    pub(super) fn laid_out(&self, end: f64) -> f64 {
+    pub(super) fn plans_needed_until(&self, end: f64) -> f64 {
         end + 2.0 * self.grid.length
     }
 
     /// Extends plans that go on beyond their knots so that they cover a lookahead until `end`.
     pub(super) fn extend_beyond(&mut self, scene: &Scene, end: f64) -> Result<(), Error> {
-        let end = self.laid_out(end);
+        let end = self.plans_needed_until(end);
         self.monitored.extend_beyond(scene, end)
     }
 
@@ -271,7 +271,7 @@ impl LookaheadSearch {
                 // First: slices, and the search over a jump, go on no farther than half-spaces are known.
                 let begin = Instant::now();
                 let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
-                let times = (from, to, self.laid_out(to));
+                let times = (from, to, self.plans_needed_until(to));
                 let found = (&mut self.survivors, self.max_spans);
                 known = self
                     .half_spaces
@@ -287,7 +287,7 @@ impl LookaheadSearch {
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
-            let window = (from, self.laid_out(to));
+            let window = (from, self.plans_needed_until(to));
             stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
             stats.narrow_time += begin.elapsed();
             if is_done {
@@ -393,8 +393,9 @@ impl LookaheadSearch {
                     let moved = (number < needed).then_some((moved, number));
                     let task = SliceTask { moved, ..alone };
                     slice.refresh(&task, &mut pool.take(), |_| true);
-                    let crowd = slice.check_room().map_or(most, |()| 0);
-                    found.fetch_add(crowd + slice.survivors.len(), Relaxed);
+                    // More than there is room for, if the slice has none.
+                    let beyond = slice.check_room().map_or(most, |()| 0);
+                    found.fetch_add(beyond + slice.survivors.len(), Relaxed);
                 }
             });
             is_done = found.into_inner() <= most;

@@ -46,13 +46,13 @@ use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use command::CommandBatch;
 use due_times::DueTimes;
 use encounters::EncounterTracker;
-use grid::{Grid, RescheduleTrigger, can_tell_apart};
+use grid::{Grid, GridReview, can_tell_apart};
 use lookahead::LookaheadSearch;
 use read::LevelCaches;
 #[cfg(feature = "recording")]
@@ -157,7 +157,7 @@ pub struct Monitor {
     stats: Stats,
     /// Number of changes of bodies since the last tick.
     changed_bodies: u64,
-    reschedule: RescheduleTrigger,
+    grid_review: GridReview,
     /// The last batch of changes: the next tick drops what it has replaced.
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
@@ -223,7 +223,7 @@ impl Monitor {
         lookahead: f64,
         levels: &[AlertLevel],
     ) -> Result<Self, Error> {
-        let now = one_zero(now);
+        let now = without_negative_zero(now);
         let usable = |value: f64| value.abs() <= MAX_MAGNITUDE;
         if !usable(now) {
             return Err(Error::Clock { time: now });
@@ -262,7 +262,7 @@ impl Monitor {
             plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
-            reschedule: RescheduleTrigger::after_comparison(scene.len(), now),
+            grid_review: GridReview::after_comparison(scene.len(), now),
             batch: CommandBatch::default(),
             told: ToldMotions::default(),
             readings: LevelCaches::of_levels(levels.len()),
@@ -271,13 +271,13 @@ impl Monitor {
             recorder: None,
             scene,
         };
-        monitor.lay_out()?;
+        monitor.prepare_all_bodies()?;
         monitor.watch_plan_ends();
         Ok(monitor)
     }
 
-    /// Sets the largest change of an encounter's numbers that is not reported, measured from those last
-    /// reported.
+    /// Sets the largest change of an encounter's numbers that is not reported, measured from those of
+    /// its first event or its last [`Revised`](EventKind::Revised).
     ///
     /// # Errors
     ///
@@ -303,8 +303,8 @@ impl Monitor {
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
     /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are
-    /// copied with each such call, a tenth of a microsecond a knot, and ticks look at it again: half as much
-    /// again where 50 of 2,000 bodies are replanned each tick.
+    /// copied with each such call, a tenth of a microsecond a knot. Ticks look at the kept time again: they take
+    /// half as long again where 50 of 2,000 bodies are replanned each tick.
     ///
     /// # Errors
     ///

@@ -4,7 +4,7 @@ use super::encounters::{EncounterTracker, Saved};
 use super::snapshot::Snapshot;
 use super::{EventKind, Monitor, check_revision_threshold, check_setting};
 use crate::error::Error;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 
 /// Largest number of encounters of a snapshot: later ones can be counted.
 const MAX_ENCOUNTERS: u64 = 1 << 62;
@@ -111,7 +111,7 @@ impl Monitor {
         }
         check_revision_threshold(snapshot.revision_threshold)?;
         check_setting("history", snapshot.history)?;
-        monitor.now = one_zero(now);
+        monitor.now = without_negative_zero(now);
         monitor.known = reported;
         if snapshot.settled {
             // All of it has been reported.

@@ -1,6 +1,7 @@
 //! Threshold of reported changes of an encounter.
 
-/// The largest change of an encounter that is not reported, measured from the last report.
+/// The largest change of an encounter that is not reported, measured from its first event or its last
+/// [`Revised`](crate::EventKind::Revised).
 ///
 /// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an
 /// instant that was computed. States told in f32 change predictions by more, in each tick: choose some

@@ -16,7 +16,7 @@ use super::{Monitor, SlotAdmission};
 use crate::conflict::Conflict;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
@@ -113,7 +113,7 @@ impl Monitor {
         events: &mut Vec<Event>,
     ) -> Result<(), Error> {
         let begin = Instant::now();
-        let now = one_zero(now);
+        let now = without_negative_zero(now);
         self.check_clock(now)?;
         if now <= self.now && self.has_reported_all() {
             self.stats = Stats {

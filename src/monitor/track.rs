@@ -281,7 +281,7 @@ impl Monitor {
         }
         if turned {
             // A shape depends on the tolerance, which a spin leaves as it is, and not on how the body turns.
-            self.search.forget(id.slot);
+            self.search.mark_changed(id.slot);
         } else {
             let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
@@ -299,7 +299,7 @@ impl Monitor {
         } else {
             self.replace_each((now, since), window, told);
         }
-        let count = self.search.forget_all(told.slots_in_place());
+        let count = self.search.mark_all_changed(told.slots_in_place());
         self.count_changes(count);
         Ok(())
     }

@@ -139,12 +139,14 @@ pub(crate) fn certified_contacts(
             workspace.solve(&pair, span, &band, clip);
             continue;
         }
-        ClusterPair::of(a, b, span).each_for_contacts(band.outer, clip, |pair, shown| {
+        ClusterPair::of(a, b, span).each_for_contacts(band.outer, clip, |pair, proven_contacts| {
             let parts = workspace.solve(pair, span, &band, clip);
-            let Some(shown) = shown else { return };
+            let Some(proven_contacts) = proven_contacts else {
+                return;
+            };
             // Only what is certain keeps others from being looked at.
             let inside = parts.iter().filter(|part| part.side == Side::Inside);
-            shown.extend(inside.map(|part| ProvenContact {
+            proven_contacts.extend(inside.map(|part| ProvenContact {
                 enter: part.start,
                 exit: part.end,
                 // Others that come within the model errors of it may be nearer.

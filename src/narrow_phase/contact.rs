@@ -191,11 +191,11 @@ fn contacts_of_many(
         });
         return;
     }
-    ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, shown| {
+    ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, proven_contacts| {
         let count = found.len();
         solved_contacts(pair, span, margin, (clip, NEVER), found);
-        if let Some(shown) = shown {
-            shown.extend(found[count..].iter().map(|contact| ProvenContact {
+        if let Some(proven_contacts) = proven_contacts {
+            proven_contacts.extend(found[count..].iter().map(|contact| ProvenContact {
                 enter: contact.enter,
                 exit: contact.exit,
                 separation: contact.closest.separation,

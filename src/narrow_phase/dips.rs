@@ -75,7 +75,7 @@ impl DistanceExtrema {
         const MAX_HALVINGS: u32 = 60;
         let part = part_of(cubic, (from, to));
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
-        if !is_rounding && !SquaredDistance::of(&part).are_monotonic() {
+        if !is_rounding && !SquaredDistance::of(&part).is_monotonic() {
             let found = stationary_points(&part);
             let inside = found.as_slice().iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);

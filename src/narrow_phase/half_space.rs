@@ -238,8 +238,8 @@ impl<'a> PlanePair<'a> {
                 start: part.start,
                 end: part.end,
                 points: points.map(|height| DVec3::new(height, 0.0, 0.0)),
-                // Of the 16 roundings of the heights and of the way 10 and 8 are counted. Both sums here add
-                // one of what is shifted, and at most five of that.
+                // It allows 16 roundings of the heights and 16 of the way, of which 10 and 8 occur. Both sums here
+                // add one of what is shifted, and at most five of that.
                 error,
                 size,
             },

@@ -28,7 +28,7 @@ impl SquaredDistance {
     ///
     /// A polynomial in Bernstein form rises if its control heights do. Most spans of a long contact
     /// pass this test, at a tenth of the cost of a root search.
-    pub(super) fn are_monotonic(&self) -> bool {
+    pub(super) fn is_monotonic(&self) -> bool {
         /// Least difference of neighbouring heights.
         ///
         /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
@@ -47,7 +47,7 @@ impl SquaredDistance {
 
     /// Returns true if the distance certainly stays above `radius` (m), which must include the
     /// solver's rounding: it would find no instant with a smaller distance.
-    pub(super) fn are_beyond(&self, radius: f64) -> bool {
+    pub(super) fn is_beyond(&self, radius: f64) -> bool {
         let least = self.heights.into_iter().fold(f64::INFINITY, f64::min);
         let radius = radius * self.power;
         // 28 roundings of the heights, and two of the radius and its square: of 4 where it matters.
@@ -91,10 +91,10 @@ mod tests {
                 radius = radius.next_up();
             }
             assert!(
-                !SquaredDistance::of(&cubic).are_beyond(radius),
+                !SquaredDistance::of(&cubic).is_beyond(radius),
                 "{round} {end}"
             );
-            is_near += u32::from(SquaredDistance::of(&cubic).are_beyond(radius * (1.0 - 1e-13)));
+            is_near += u32::from(SquaredDistance::of(&cubic).is_beyond(radius * (1.0 - 1e-13)));
         }
         assert!(is_near > 10_000, "{is_near}");
     }
@@ -134,7 +134,7 @@ mod tests {
             points = rest(points, share);
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
-            if SquaredDistance::of(&cubic).are_monotonic() {
+            if SquaredDistance::of(&cubic).is_monotonic() {
                 assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);

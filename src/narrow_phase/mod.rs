@@ -93,7 +93,7 @@ impl<'a> BodyView<'a> {
     #[inline(always)]
     pub(crate) fn segments_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
         if self.knots.are_extended() || other.knots.are_extended() {
-            return self.formed_in(other, span);
+            return self.segments_formed_in(other, span);
         }
         let (a, b) = (span.a as usize, span.b as usize);
         [
@@ -103,7 +103,7 @@ impl<'a> BodyView<'a> {
     }
 
     #[inline(never)]
-    fn formed_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
+    fn segments_formed_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
         [
             self.segment(span.a as usize),
             other.segment(span.b as usize),

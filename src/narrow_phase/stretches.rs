@@ -84,7 +84,7 @@ impl DistanceProfile {
         }
         let heights = SquaredDistance::of(cubic);
         // Once for what counts as within, once for the rounding of what is compared with it.
-        let is_beyond = heights.are_beyond(radius + 2.0 * cubic.tolerance());
+        let is_beyond = heights.is_beyond(radius + 2.0 * cubic.tolerance());
         (!is_beyond).then(|| Self::changing(cubic, &heights))
     }
 
@@ -105,7 +105,7 @@ impl DistanceProfile {
     #[inline(never)]
     fn changing(cubic: &RelativeCubic, heights: &SquaredDistance) -> Self {
         let mut profile = Self::from(ProfileNode::first(cubic));
-        if heights.are_monotonic() {
+        if heights.is_monotonic() {
             profile.push(ProfileNode::last(cubic));
             return profile;
         }

@@ -23,7 +23,7 @@ pub(crate) use told_spin::ToldSpin;
 pub(crate) use turning::{Turning, TurningCell};
 
 use crate::error::Error;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::trajectory::Outside;
 use glam::{DQuat, DVec3};
 use source::Source;
@@ -222,7 +222,7 @@ impl Orientation {
     /// [`Error::ChangeTime`].
     pub(crate) fn checked_start(from: f64) -> Result<f64, Error> {
         if from.is_finite() {
-            Ok(one_zero(from))
+            Ok(without_negative_zero(from))
         } else {
             Err(Error::ChangeTime { time: from })
         }

@@ -4,7 +4,7 @@ use super::arc::{Arc, angle_within};
 use super::piece::{Piece, RotationCurve};
 use super::quaternion_cubic::QuaternionCubic;
 use crate::error::{Error, Quantity};
-use crate::rounding::{norm, one_zero};
+use crate::rounding::{norm, without_negative_zero};
 use crate::trajectory::{Outside, check_number, check_times};
 use glam::{DQuat, DVec3};
 
@@ -108,7 +108,7 @@ pub(super) fn spin_arc(time: f64, rotation: DQuat, angular_velocity: DVec3) -> R
     check_number(0, Quantity::Time, time)?;
     let rotation = checked(0, rotation)?;
     let velocity = checked_speed(angular_velocity)?;
-    Ok(Arc::spin(one_zero(time), rotation, velocity))
+    Ok(Arc::spin(without_negative_zero(time), rotation, velocity))
 }
 
 /// Returns the motion that goes on from the first (0) or last (1) knot of a cubic.
@@ -219,7 +219,7 @@ fn checked_knots(knots: &[(f64, DQuat)]) -> Result<Vec<(f64, DQuat)>, Error> {
     let mut found: Vec<(f64, DQuat)> = Vec::with_capacity(knots.len());
     for (knot, &(time, rotation)) in knots.iter().enumerate() {
         let mut rotation = checked(knot, rotation)?;
-        let time = one_zero(time);
+        let time = without_negative_zero(time);
         if let Some(&(previous, before)) = found.last() {
             let value = time - previous;
             if value < f64::MIN_POSITIVE {

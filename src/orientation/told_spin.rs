@@ -6,7 +6,7 @@ use super::piece::Piece;
 use super::source::{Source, spin_arc};
 use super::turning::{OrientationPart, Turning};
 use crate::error::Error;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::simd::prefetch;
 use glam::{DQuat, DVec3};
 
@@ -58,7 +58,7 @@ impl Orientation {
     ) -> Result<bool, Error> {
         let turning = self.turning.as_deref_mut();
         if let Some(turning) = turning.filter(|turning| turning.has_one_piece_a_part()) {
-            return Ok(turning.follow_spin(spin, one_zero(from), since));
+            return Ok(turning.follow_spin(spin, without_negative_zero(from), since));
         }
         let next = Self::of(spin.source())?;
         let both = self.followed_by(&next, from, since)?;

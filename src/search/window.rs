@@ -298,10 +298,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let room = CandidateLimit::new(&by_place, room);
         let method = (self.method, self.instructions);
         methods.pairs(method, &slice.boxes, &room, candidates);
-        if room.is_short() {
+        if room.is_exceeded() {
             candidates.truncate(first);
         }
-        !room.is_short()
+        !room.is_exceeded()
     }
 }
 

@@ -6,7 +6,7 @@ use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
 use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, end_cubic};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, one_zero};
+use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, without_negative_zero};
 use glam::DVec3;
 use std::slice::from_ref;
 
@@ -59,7 +59,9 @@ impl Trajectory {
         }
         check_states(leaving)?;
         let mut knots = FrontGapVec::with_capacity(count);
-        let times = leaving.iter().map(|state| one_zero(state.time));
+        let times = leaving
+            .iter()
+            .map(|state| without_negative_zero(state.time));
         times.for_each(|time| knots.push(time));
         let mut segments = FrontGapVec::with_capacity(count - 1);
         for (knot, (from, to)) in (1..).zip(leaving.iter().zip(&arriving[1..])) {
@@ -315,7 +317,7 @@ pub(super) fn checked_knots(knots: &[f64], segments: usize) -> Result<Vec<f64>, 
         });
     }
     check_times(knots.iter().copied())?;
-    Ok(knots.iter().copied().map(one_zero).collect())
+    Ok(knots.iter().copied().map(without_negative_zero).collect())
 }
 
 /// Checks that the times of states increase, and that all numbers can be used.

@@ -34,7 +34,7 @@ pub enum Outside {
     /// The body does not exist there.
     #[default]
     Absent,
-    /// The first and last cubic continue in their own parameter, as in the literature. A position
+    /// The first and last cubic continue in their own parameter. A position
     /// is good to 4e-15 of the cubic's terms, which grow with time, its square and its cube. States
     /// one minute apart on a low orbit give 1 mm after 10 hours, and 1 m after five days.
     Extrapolate,

@@ -8,7 +8,7 @@ use super::outside::Outside;
 use super::segment::Segment;
 use super::segment_lists::SegmentLists;
 use super::straight::StraightMotion;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::window::Window;
 use std::iter::once;
 use std::sync::OnceLock;
@@ -127,7 +127,7 @@ impl RecentMotions {
                 self.cuts[place] = self.cuts[dropped + place];
             }
         }
-        let end = cut_after(one_zero(from), motion, 1);
+        let end = cut_after(without_negative_zero(from), motion, 1);
         self.append(&Replacement { dropped, kept, end }, from, motion);
         // `is_replaced_by` has checked that the motion can be followed for all of its first piece.
         self.facts()
@@ -161,7 +161,7 @@ impl RecentMotions {
     #[inline]
     fn append(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
         self.motions[replacement.kept] = *motion;
-        self.cuts[replacement.kept] = one_zero(from);
+        self.cuts[replacement.kept] = without_negative_zero(from);
         self.cuts[replacement.kept + 1] = replacement.end;
         self.count = short(replacement.kept + 1);
         if replacement.dropped > 0 {
@@ -177,7 +177,7 @@ impl RecentMotions {
         motion: &StraightMotion,
         since: f64,
     ) -> Option<Replacement> {
-        let from = one_zero(from);
+        let from = without_negative_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
         let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
         let beyond = if from <= self.cuts[self.pieces()] {

@@ -5,7 +5,9 @@ mod restriction;
 pub(crate) use restriction::Restriction;
 
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, one_zero};
+use crate::rounding::{
+    UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, without_negative_zero,
+};
 use crate::trajectory::state::State;
 use glam::DVec3;
 
@@ -204,7 +206,10 @@ impl Segment {
     /// Returns an error where a later computation could overflow: positions, velocities or
     /// accelerations beyond 1e300.
     fn checked(mut self, knot: usize) -> Result<Self, Error> {
-        (self.start, self.end) = (one_zero(self.start), one_zero(self.end));
+        (self.start, self.end) = (
+            without_negative_zero(self.start),
+            without_negative_zero(self.end),
+        );
         let duration = self.end - self.start;
         // The largest acceleration of a cubic with these control points is 6 · 4 extents.
         let acceleration = 24.0 * (self.extent / duration / duration);

@@ -5,7 +5,7 @@ use super::front_gap::FrontGapVec;
 use super::outside::Outside;
 use super::segment::Segment;
 use super::straight::StraightMotion;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use std::iter::once;
 
 /// Cubics between knots, as a list of each.
@@ -79,7 +79,7 @@ impl SegmentLists {
         let step = end_motion.end() - end_motion.start();
         let last = self.knots[self.knots.len() - 1];
         let cuts = DoublingCuts::of(last, step, from).but_last();
-        for knot in cuts.chain(once(one_zero(from))) {
+        for knot in cuts.chain(once(without_negative_zero(from))) {
             self.segments.push(end_motion);
             self.knots.push(knot);
         }

@@ -3,7 +3,7 @@
 use super::build::{check_number, check_times, check_vector};
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
-use crate::rounding::{largest_norm, one_zero};
+use crate::rounding::{largest_norm, without_negative_zero};
 use bytemuck::cast_slice;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,7 @@ impl TryFrom<Numbers> for Trajectory {
             });
         }
         for time in &mut knots {
-            *time = one_zero(*time);
+            *time = without_negative_zero(*time);
         }
         check_times(knots.iter().copied())?;
         let segment = |(knot, numbers): (usize, [f64; 16])| {

@@ -5,7 +5,7 @@ use super::recent_motions::{LastMotion, RecentMotions};
 use super::segment_lists::{SegmentLists, count_at_front};
 use super::{Form, Outside, StraightMotion, Trajectory};
 use crate::error::Error;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::simd::{prefetch, prefetch_first};
 use crate::window::Window;
 use std::iter::{once, repeat_n};
@@ -85,7 +85,7 @@ impl Trajectory {
     ///
     /// As [`spliced`](Self::spliced). On error nothing is changed.
     pub(crate) fn precede_by(&mut self, old: &Self, from: f64, since: f64) -> Result<(), Error> {
-        let from = one_zero(from);
+        let from = without_negative_zero(from);
         if !old.domain().contains(from) || !self.goes_on_from(from) {
             return Err(Error::NoPlanAt { time: from });
         }

@@ -3,7 +3,7 @@
 use super::segment::Segment;
 use super::state::State;
 use crate::error::Error;
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use glam::DVec3;
 
 /// Straight motion through a state, in both directions of time. Its cubic is formed from this when it is needed.
@@ -60,7 +60,7 @@ impl StraightMotion {
     /// that.
     #[inline(always)]
     pub(crate) fn through_ordinary(state: &State) -> Self {
-        let ends = [state.time, state.time + Self::DURATION].map(one_zero);
+        let ends = [state.time, state.time + Self::DURATION].map(without_negative_zero);
         Self::until(state.position, state.velocity, ends)
     }
 

@@ -260,6 +260,26 @@ fn small_changes_are_not_told() {
     assert_eq!(kinds(&tick(&mut monitor, 2.5)), [""; 0]);
 }
 
+/// Revisions are measured from the first event and the last revision, also if `Began` told other numbers since.
+#[test]
+fn changes_are_measured_from_the_prediction_also_after_the_beginning() {
+    let (a, b) = head_on();
+    let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
+    let revision_threshold = RevisionThreshold {
+        time: 0.1,
+        separation: 0.1,
+    };
+    monitor.set_revision_threshold(revision_threshold).unwrap();
+    // The exit is in sight.
+    tick(&mut monitor, 2.0);
+    let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
+    // The least separation is 0.5 m at first, then 0.44 and 0.36 m.
+    monitor.set_trajectory(id, nudged(0.06)).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 9.1)), ["began 0"]);
+    monitor.set_trajectory(id, nudged(0.14)).unwrap();
+    assert_eq!(kinds(&tick(&mut monitor, 9.2)), ["revised 0"]);
+}
+
 /// A distance that changes by less than a billionth of a metre: reported by a monitor that reports all.
 #[test]
 fn rounding_is_not_told() {

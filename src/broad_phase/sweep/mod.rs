@@ -249,14 +249,14 @@ mod tests {
             let pool = pool.unwrap_or_else(|error| unreachable!("{error}"));
             pool.install(|| {
                 let (mut sweep, mut found) = (Sweep::default(), Vec::new());
-                let mut is_short = false;
+                let mut is_exceeded = false;
                 for _ in 0..2 {
                     found.clear();
                     let room = CandidateLimit::new(&Everyone, most);
                     sweep.pairs(&boxes, &room, &mut found);
-                    is_short = room.is_short();
+                    is_exceeded = room.is_exceeded();
                 }
-                (found, is_short)
+                (found, is_exceeded)
             })
         };
         let (alone, _) = pairs(1, u64::MAX);

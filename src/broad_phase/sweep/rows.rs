@@ -119,7 +119,7 @@ fn pack(boxes: &[BodyBox], quantizer: &Quantizer, layout: &GridLayout, rows: &mu
     }
     let mut spread_count = 0;
     // Loops instead of iterators with closures: a closure that is not inlined is compiled without
-    // the level's instructions.
+    // the set's instructions.
     for ((number, one), packed) in (0..).zip(boxes).zip(packed.iter_mut()) {
         let grid = quantizer.grid(&one.aabb);
         let mut place = [0; 8];

@@ -2,7 +2,7 @@
 
 /// Returns the share of the work on the next slice that is due.
 ///
-/// - `share`: the part of the time until the slice is needed that has passed, 0 to 1;
+/// - `share`: the part of the time since the slice before became needed that has passed until the next one is, 0 to 1;
 /// - `step`: the part of that time that has passed since the tick before;
 /// - the number of bodies that changed since the tick before, and that of all bodies.
 ///
@@ -14,7 +14,7 @@
     reason = "numbers of bodies, of which a rough share is wanted"
 )]
 pub(super) fn due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -> f64 {
-    // Ticks until the slice is needed.
+    // Ticks between two slices that become needed.
     let in_all = 1.0 / step.max(f64::MIN_POSITIVE);
     // Ticks that share the work. The quotient is infinite or not a number if nobody has changed: then all ticks do.
     let ticks = (2.0 * all as f64 / changed as f64).min(in_all);

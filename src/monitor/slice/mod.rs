@@ -266,11 +266,12 @@ impl LookaheadSlice {
         let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
         let filter = &CandidateLimit::new(task.filter, room);
         let boxes = self.compare(&task.with_filter(filter), scratch);
-        if filter.is_short() {
+        if filter.is_exceeded() {
             self.candidates.clear();
             // All bodies as they are now.
             self.stats.slices += u64::from(!self.stage.is_compared());
             self.stage = BuildStage::Built;
+            self.boxed = Vec::new();
             self.forget_changes();
             self.unsearched_from = Some(self.interval.0);
         } else if filter.gives_up() {

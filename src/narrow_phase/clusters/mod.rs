@@ -50,7 +50,7 @@ impl ClusterPair<'_> {
         if self.are_few() {
             return self.each_within(margin, |pair| solve(pair, None));
         }
-        let mut shown = Vec::new();
+        let mut proven_contacts = Vec::new();
         let chords = PiecewiseLinearBound::of(self, part, margin);
         let mut proven = ProvenIntervals::new(self, part, margin, chords.slack);
         let mut solved = SolvedOffsets::default();
@@ -60,9 +60,9 @@ impl ClusterPair<'_> {
             solved.add(self, candidate);
             let pair = self.pair(candidate);
             if !self.is_beyond(&pair.cubic.points, candidate, margin) {
-                shown.clear();
-                solve(&pair, proven.can_learn().then_some(&mut shown));
-                proven.learn(&shown, self.offset(candidate));
+                proven_contacts.clear();
+                solve(&pair, proven.can_learn().then_some(&mut proven_contacts));
+                proven.learn(&proven_contacts, self.offset(candidate));
             }
         };
         let margin = self.reached(&chords, margin);

@@ -27,7 +27,7 @@ pub(super) struct ProvenIntervals<'a> {
 
 #[derive(Clone, Copy, Debug)]
 struct ProvenInterval {
-    shown: ProvenContact,
+    contact: ProvenContact,
     /// Offsets of the spheres in contact at its beginning and its end.
     first: DVec3,
     last: DVec3,
@@ -105,20 +105,20 @@ impl<'a> ProvenIntervals<'a> {
     }
 
     /// Adds the contacts of a pair of spheres with this offset.
-    pub(super) fn learn(&mut self, shown: &[ProvenContact], offset: DVec3) {
+    pub(super) fn learn(&mut self, contacts: &[ProvenContact], offset: DVec3) {
         let mut is_longer = false;
-        for &shown in shown {
+        for &contact in contacts {
             let mut stretches = self.stretches.iter_mut();
             let holding = stretches.find(|stretch| {
-                stretch.shown.enter <= shown.enter && shown.exit <= stretch.shown.exit
+                stretch.contact.enter <= contact.enter && contact.exit <= stretch.contact.exit
             });
             if let Some(stretch) = holding {
-                let separation = &mut stretch.shown.separation;
-                *separation = separation.min(shown.separation);
+                let separation = &mut stretch.contact.separation;
+                *separation = separation.min(contact.separation);
             } else {
                 is_longer = true;
                 self.stretches.push(ProvenInterval {
-                    shown,
+                    contact,
                     first: offset,
                     last: offset,
                 });
@@ -133,23 +133,23 @@ impl<'a> ProvenIntervals<'a> {
         }
         // Each stretch has a least separation of its own. A pair must be farther than the largest of these to
         // matter in none.
-        let separations = self.stretches.iter().map(|one| one.shown.separation);
+        let separations = self.stretches.iter().map(|one| one.contact.separation);
         let nearest = separations.fold(f64::NEG_INFINITY, f64::max);
         self.near = nearest + self.slack;
     }
 
     fn join(&mut self) {
         let stretches = &mut self.stretches;
-        stretches.sort_by(|x, y| x.shown.enter.total_cmp(&y.shown.enter));
+        stretches.sort_by(|x, y| x.contact.enter.total_cmp(&y.contact.enter));
         stretches.dedup_by(|next, before| {
-            let meets = next.shown.enter <= before.shown.exit;
+            let meets = next.contact.enter <= before.contact.exit;
             if meets {
-                if next.shown.exit > before.shown.exit {
-                    before.shown.exit = next.shown.exit;
+                if next.contact.exit > before.contact.exit {
+                    before.contact.exit = next.contact.exit;
                     before.last = next.last;
                 }
-                let separation = before.shown.separation.min(next.shown.separation);
-                before.shown.separation = separation;
+                let separation = before.contact.separation.min(next.contact.separation);
+                before.contact.separation = separation;
             }
             meets
         });
@@ -159,12 +159,12 @@ impl<'a> ProvenIntervals<'a> {
         self.gaps.clear();
         let (mut from, mut before) = (self.part.0, None);
         for stretch in &self.stretches {
-            if stretch.shown.enter > from {
+            if stretch.contact.enter > from {
                 let ends = (before, Some(stretch.first));
-                let gap = self.gap((from, stretch.shown.enter), ends);
+                let gap = self.gap((from, stretch.contact.enter), ends);
                 self.gaps.push(gap);
             }
-            (from, before) = (stretch.shown.exit, Some(stretch.last));
+            (from, before) = (stretch.contact.exit, Some(stretch.last));
         }
         if self.part.1 > from || self.stretches.is_empty() {
             let gap = self.gap((from, self.part.1), (before, None));

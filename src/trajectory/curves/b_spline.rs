@@ -5,7 +5,7 @@
 
 use super::bezier::BezierPoints;
 use crate::error::{Error, Quantity};
-use crate::rounding::{norm, one_zero};
+use crate::rounding::{norm, without_negative_zero};
 use crate::trajectory::Trajectory;
 use crate::trajectory::build::{check_number, check_times, check_vector};
 use crate::trajectory::double_double::DoubleDouble;
@@ -58,7 +58,7 @@ impl Trajectory {
             });
         }
         check_knot_vector(knots, control_points)?;
-        let mut times = vec![one_zero(knots[3])];
+        let mut times = vec![without_negative_zero(knots[3])];
         let mut pieces = Vec::new();
         for (first, around) in knots.windows(6).enumerate().skip(1) {
             // From knot `last` on; the four points from `last - 3` on are those that count.
@@ -67,7 +67,7 @@ impl Trajectory {
                 continue;
             }
             pieces.push(piece(&control_points[last - 3..=last], around));
-            times.push(one_zero(around[3]));
+            times.push(without_negative_zero(around[3]));
         }
         Self::of_control_points(&times, &pieces)
     }
@@ -107,7 +107,7 @@ impl Trajectory {
         let steps = successors(Some(1.0), |step| Some(step + 1.0));
         let later = steps.map(|step: f64| step.mul_add(interval, start));
         let times = once(start).chain(later).take(count - 2);
-        let times: Vec<f64> = times.map(one_zero).collect();
+        let times: Vec<f64> = times.map(without_negative_zero).collect();
         check_times(times.iter().copied())?;
         let even = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
         let pieces = control_points.windows(4).map(|points| piece(points, &even));

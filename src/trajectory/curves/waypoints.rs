@@ -1,7 +1,7 @@
 //! Waypoints: straight legs of constant velocity.
 
 use crate::error::{Error, Quantity};
-use crate::rounding::one_zero;
+use crate::rounding::without_negative_zero;
 use crate::trajectory::build::{check_times, check_vector};
 use crate::trajectory::{Outside, Segment, State, Trajectory};
 use glam::DVec3;
@@ -41,7 +41,10 @@ impl Trajectory {
             return Err(Error::TooFewStates { count });
         }
         check_positions(waypoints)?;
-        let knots: Vec<f64> = waypoints.iter().map(|&(time, _)| one_zero(time)).collect();
+        let knots: Vec<f64> = waypoints
+            .iter()
+            .map(|&(time, _)| without_negative_zero(time))
+            .collect();
         let legs = (1..).zip(waypoints.windows(2));
         let legs = legs
             .map(|(knot, ends)| Segment::leg(ends[0], ends[1], knot))
