@@ -138,6 +138,8 @@ impl Interval {
 }
 
 impl<'a> SpheresOverPart<'a> {
+    /// Way in sums of radii from which on halving an interval tells enough pairs apart.
+    const LONG: f64 = 2.0;
     /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 1 and 3, pairs
     /// of 125 spheres took 1.16 and 1.21 times as long.
     const INTERVAL_HALVINGS: usize = 2;
@@ -215,14 +217,17 @@ impl<'a> SpheresOverPart<'a> {
         // One is farther by the errors of its centres, the other one is nearer by its own. A window may begin
         // between an instant and what that is rounded to.
         let slack = 2.0 * (rejection_threshold(0.0, self.scale) + self.blur() + self.error);
-        let mut within = margin;
+        let (mut within, mut is_long) = (margin, false);
         if near.pairs() > Self::MANY {
+            let (most, way) = self.most_and_way(interval, near.facing());
             // Pairs that are always farther are not the nearest ones.
-            within = within.min(self.most(interval, near.facing()) + slack);
+            within = within.min(most + slack);
+            is_long = way > Self::LONG;
         }
         let bound = rejection_threshold(within, self.scale + within.abs());
         near.remove_far(bound);
-        if near.pairs() > Self::MANY
+        if is_long
+            && near.pairs() > Self::MANY
             && let [next, deeper @ ..] = deeper
         {
             for half in interval.halves() {
@@ -249,13 +254,16 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
-    /// Returns a bound of the separation of two spheres in an interval, without the errors of their centres, m.
-    fn most(&self, interval: &Interval, (a, b): (u32, u32)) -> f64 {
+    /// Returns a bound of the separation of two spheres in an interval, without the errors of their centres (m), and
+    /// how far one goes relative to the other, in sums of their radii.
+    fn most_and_way(&self, interval: &Interval, (a, b): (u32, u32)) -> (f64, f64) {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
         let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
-        let distance = |place: usize| norm(interval.base[place] + (p[place] - q[place]));
-        let farthest = [0, 1, 2, 3].map(distance).into_iter().fold(0.0, f64::max);
-        farthest - (sphere_a.radius + sphere_b.radius)
+        let points = [0, 1, 2, 3].map(|place| interval.base[place] + (p[place] - q[place]));
+        let farthest = points.map(norm).into_iter().fold(0.0, f64::max);
+        let way: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
+        let radii = sphere_a.radius + sphere_b.radius;
+        (farthest - radii, way / radii)
     }
 
     /// Returns a bound on the motion of two centres between an instant and its rounded value, m; or infinity.
