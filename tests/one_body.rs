@@ -365,3 +365,100 @@ fn a_screening_can_be_ended() {
         .into();
     assert!(few < all, "{few} {all}");
 }
+
+/// Returns a plan at a constant velocity (m/s) along x, from a place (m) at its beginning.
+fn along_x(begin: f64, end: f64, place: f64, velocity: f64) -> Trajectory {
+    let velocity = velocity * DVec3::X;
+    support::line(begin, end, place * DVec3::X, velocity)
+}
+
+/// A contact a third of an instant beyond the window, which is reported at its end.
+#[test]
+fn a_contact_that_rounds_to_an_end_of_the_window() {
+    const NOW: f64 = 1e9;
+    const ULP: f64 = 1.0 / 8_388_608.0;
+    const LENGTH: f64 = 1_024.0 * ULP;
+    let (begin, end) = (NOW - LENGTH, NOW + 3.0 * LENGTH);
+    let window = Window::new(NOW, NOW + LENGTH).unwrap();
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        for (time, later, velocity) in [(NOW, -0.3, 1e3), (NOW + LENGTH, 0.3, -1e3)] {
+            let place = 1.0 - velocity * ((time - begin) + later * ULP);
+            let own = Body::new(along_x(begin, end, place, velocity));
+            let rest = Body::new(along_x(begin, end, 0.0, 0.0));
+            let query = Query::new(window).with_margin(1.0).with_accuracy(accuracy);
+            let mut scene = Scene::new();
+            scene.insert(rest).unwrap();
+            let asked = scene.conflicts_with(&own, &query).unwrap();
+            scene.insert(own).unwrap();
+            let screened = scene.screen(&query).unwrap().conflicts;
+            // A certified contact lies in the window itself.
+            let is_told = accuracy == Accuracy::Exact;
+            assert_eq!(screened.len(), usize::from(is_told), "{time} {later}");
+            assert_eq!(bits(&asked), bits(&screened), "{time} {later}");
+        }
+    }
+}
+
+/// Times since 1970, and windows that end when a conflict begins, as it was reported.
+#[test]
+fn windows_up_to_a_reported_beginning() {
+    let start = 1.7e9;
+    for number in 0..200 {
+        let mut scene = Scene::new();
+        let rest = Body::new(along_x(start, start + 60.0, 0.0, 0.0));
+        scene.insert(rest).unwrap();
+        let place = 200.0 + 0.37 * f64::from(number);
+        let own = Body::new(along_x(start, start + 60.0, place, -7.5));
+        let mut all = scene.clone();
+        all.insert(own.clone()).unwrap();
+        let query = Query::default().with_margin(5.0);
+        let first = all.screen(&query).unwrap().conflicts[0];
+        let window = Window::new(start, first.enter).unwrap();
+        let query = Query::new(window).with_margin(5.0);
+        let asked = scene.conflicts_with(&own, &query).unwrap();
+        let screened = all.screen(&query).unwrap().conflicts;
+        assert_eq!(bits(&asked), bits(&screened), "{number}");
+    }
+}
+
+/// Returns a plan with a piece of an end motion at its beginning. Terms of 3e16 m cancel there: it is known to some 200 m.
+fn known_badly() -> Trajectory {
+    let (factor, zero) = (1e6, 3_069.0_f64);
+    let cubic = [
+        factor * DVec3::X,
+        -factor * zero * DVec3::X,
+        DVec3::ZERO,
+        DVec3::ZERO,
+    ];
+    let old = Trajectory::from_coefficients(&[-3.0, 0.0], &[cubic], TimeBase::Absolute).unwrap();
+    let from = zero.next_up();
+    let plan = support::line(from, from + 1.0, DVec3::ZERO, DVec3::ZERO);
+    let all = old.with_outside(Outside::Extrapolate).spliced(from, &plan);
+    let short = all.unwrap().trimmed_before(from);
+    assert_eq!(short.knots(), [zero, from, from + 1.0]);
+    short
+}
+
+/// What cannot be told is reported: of a body that may be 60 m from a place, or from a floor.
+#[test]
+fn pieces_beyond_their_cubic_are_known_badly() {
+    let place = Trajectory::at_rest(-60.0 * DVec3::X).unwrap();
+    let floor = Hitbox::half_space(DVec3::X).unwrap();
+    let window = Window::new(3_069.0, 3_070.0).unwrap();
+    for (hitbox, accuracy) in [
+        (Hitbox::POINT, Accuracy::Exact),
+        (Hitbox::POINT, Accuracy::Certified),
+        (floor.clone(), Accuracy::Exact),
+        (floor, Accuracy::Certified),
+    ] {
+        let other = Body::new(place.clone()).with_hitbox(hitbox);
+        let query = Query::new(window).with_accuracy(accuracy);
+        let mut scene = Scene::new();
+        scene.insert(Body::new(known_badly())).unwrap();
+        let asked = scene.conflicts_with(&other, &query).unwrap();
+        scene.insert(other).unwrap();
+        let screened = scene.screen(&query).unwrap().conflicts;
+        assert_eq!(screened.len(), 1, "{accuracy:?}");
+        assert_eq!(bits(&asked), bits(&screened), "{accuracy:?}");
+    }
+}

@@ -55,6 +55,22 @@ fn half_spaces_and_clusters() {
     assert!(found.is_empty(), "{found:?}");
 }
 
+/// Also where no body has need of either.
+#[test]
+fn two_kinds_of_radii_are_refused() {
+    let folder = folder("two-radii");
+    let (states, file) = (folder.join("states.csv"), folder.join("hitboxes.json"));
+    let rows = "body,t,px,py,pz,vx,vy,vz,radius\n0,0,0,0,0,0,0,0,1\n0,1,0,0,0,0,0,0,1\n";
+    std::fs::write(&states, rows).unwrap();
+    std::fs::write(&file, r#"[{"body": 0, "spheres": [[0,0,0,0.1]]}]"#).unwrap();
+    let mut screen = example("screen");
+    let screen = screen.arg(&states).args(["--radius", "5", "--hitboxes"]);
+    let output = screen.arg(&file).output().unwrap();
+    let said = plain(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("has a column radius; leave one of the two out"));
+}
+
 #[test]
 fn bodies_by_name() {
     let folder = folder("by_name");

@@ -150,7 +150,7 @@ fn the_states_are_not_overwritten() {
 #[test]
 fn what_cannot_be_written_is_told_before_the_states_are_read() {
     let folder = folder("nowhere");
-    for output in ["no-such-folder/out.csv", "."] {
+    for output in ["no-such-folder/out.csv", ".", "new/"] {
         let result = screen(&folder.join("absent.csv"), &folder.join(output))
             .output()
             .unwrap();

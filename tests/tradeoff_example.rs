@@ -159,6 +159,17 @@ fn what_is_refused() {
             2,
             "--json ./states.csv is the file of states itself",
         ),
+        (
+            None,
+            &[
+                "--pictures",
+                "drawn",
+                "--json",
+                "drawn/tradeoff-stepped.svg",
+            ],
+            2,
+            "--json pictures/tradeoff-stepped.svg is a picture as well",
+        ),
         #[cfg(unix)]
         (
             None,
@@ -178,6 +189,30 @@ fn what_is_refused() {
         assert_eq!(error, Some(&format!("error: {said}")[..]));
         assert!(status.code() == Some(code) && stdout.is_empty(), "{said}");
         assert_eq!(read_to_string(folder.join(FILE)).unwrap(), file);
+    }
+}
+
+/// Before anything is measured or printed.
+#[test]
+fn a_file_that_is_not_there_is_told_first() {
+    let folder = folder("tradeoff-absent");
+    for (options, code, said) in [
+        (&["--states", "absent.csv"][..], 1, "absent.csv: "),
+        (
+            &["--states", "absent.csv", "--only", "pair"],
+            2,
+            "--states and --bodies are of the scene that is stepped, which --only leaves out",
+        ),
+    ] {
+        let mut tradeoff = example("tradeoff");
+        let output = tradeoff.arg("--quick").args(options).current_dir(&folder);
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = output.output().unwrap();
+        assert!(plain(&stderr).contains(said), "{}", plain(&stderr));
+        assert!(status.code() == Some(code) && stdout.is_empty(), "{said}");
     }
 }
 

@@ -229,6 +229,12 @@ fn build_scene(
         }
         None => BTreeMap::new(),
     };
+    if arguments.hitbox.is_some() && bodies.iter().any(|body| body.radius.is_some()) {
+        return Err(format!(
+            "--radius: {} has a column radius; leave one of the two out",
+            terminal::name(&arguments.states)
+        ));
+    }
     let mut scene = Scene::new();
     // Ids in the order of the labels: conflicts then come out with a < b in the file's own terms.
     for body in bodies {
@@ -250,11 +256,7 @@ fn build_scene(
 /// Returns the hitbox of a body that has this radius in the file.
 fn hitbox(arguments: &Arguments, radius: Option<f64>) -> Result<Hitbox, String> {
     match (&arguments.hitbox, radius) {
-        (Some(_), Some(_)) => Err(format!(
-            "--radius: {} has a column radius; leave one of the two out",
-            terminal::name(&arguments.states)
-        )),
-        (Some(hitbox), None) => Ok(hitbox.clone()),
+        (Some(hitbox), _) => Ok(hitbox.clone()),
         (None, Some(radius)) => Hitbox::sphere(radius).map_err(|error| error.to_string()),
         (None, None) => Ok(Hitbox::POINT),
     }

@@ -34,6 +34,7 @@ impl Product {
             // A link stays one: the file that it leads to is replaced.
             Ok(_) => Way::Beside(check_old(path).map_err(explain)?),
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(explain(error)),
+            Err(_) if names_folder(path) => return Err(explain(ErrorKind::NotADirectory.into())),
             Err(_) if path.is_symlink() => Way::Straight,
             Err(_) => Way::Beside(path.to_owned()),
         };
@@ -55,6 +56,12 @@ impl Product {
         }
         .map_err(|error| format!("{}: {error}", name(&self.path)))
     }
+}
+
+/// Returns true if a name is that of a folder, whether there is one or not: it ends with a separator.
+fn names_folder(path: &Path) -> bool {
+    let text = path.as_os_str().to_string_lossy();
+    text.ends_with(std::path::is_separator)
 }
 
 /// Returns true if two names of a command line are those of one file, which need not be there yet. Two names of one

@@ -120,6 +120,23 @@ impl Arguments {
 
     /// Checks options that are right one by one, but not together.
     fn check(&self) -> Result<(), String> {
+        let is_stepped = self.only.is_none_or(|only| only == Part::Stepped);
+        if !is_stepped && (self.states.is_some() || self.bodies.is_some()) {
+            return Err(
+                "--states and --bodies are of the scene that is stepped, which --only leaves out"
+                    .to_owned(),
+            );
+        }
+        let is_json = |file: &PathBuf| {
+            let json = self.json.as_ref();
+            json.is_some_and(|json| terminal::is_same_file(json, file))
+        };
+        if let Some((_, file)) = self.pictures().iter().find(|(_, file)| is_json(file)) {
+            return Err(format!(
+                "--json {} is a picture as well",
+                terminal::name(file)
+            ));
+        }
         let Some(states) = &self.states else {
             return Ok(());
         };
@@ -136,15 +153,19 @@ impl Arguments {
         }
     }
 
-    /// Returns the scene that is stepped.
-    fn world(&self, effort: &Effort) -> Result<World, Failure> {
-        match &self.states {
+    /// Returns the scene that is stepped, if it is.
+    fn world(&self, effort: &Effort) -> Result<Option<World>, Failure> {
+        if self.only.is_some_and(|only| only != Part::Stepped) {
+            return Ok(None);
+        }
+        let world = match &self.states {
             Some(file) => World::of_file(file, self.radius, self.margin),
             None => {
                 let bodies = self.bodies.unwrap_or(effort.choose(2_000, 300));
                 World::swarm(bodies, 12.0, effort.choose(20.0, 4.0))
             }
-        }
+        };
+        world.map(Some)
     }
 }
 
@@ -173,6 +194,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         .num_threads(1)
         .use_current_thread()
         .build()?;
+    // A file that cannot be read is told before anything is measured.
+    let world = arguments.world(&effort)?;
     let mut out = StandardOutput::new();
     let mut tables: Vec<Table> = Vec::new();
     for (part, name) in [
@@ -187,7 +210,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         let progress = Progress::new();
         progress.begin(name.to_owned());
         let show = |share: f64| progress.show(share);
-        let made = pool.install(|| measure(part, arguments, &effort, &show))?;
+        let made = pool.install(|| measure(part, world.as_ref(), &effort, &show))?;
         progress.finish();
         for table in &made {
             table.print(&mut out)?;
@@ -210,13 +233,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn measure(
     part: Part,
-    arguments: &Arguments,
+    world: Option<&World>,
     effort: &Effort,
     progress: &dyn Fn(f64),
 ) -> Result<Vec<Table>, Failure> {
     Ok(match part {
         Part::Pair => vec![pair::table(effort, progress)],
-        Part::Stepped => vec![stepped::table(&arguments.world(effort)?, effort, progress)?],
+        Part::Stepped => match world {
+            Some(world) => vec![stepped::table(world, effort, progress)?],
+            None => Vec::new(),
+        },
         Part::Modelled => modelled::tables(effort, progress)?,
         Part::Prices => vec![
             prices::table(effort, &|share| progress(0.6 * share))?,

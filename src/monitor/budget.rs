@@ -14,8 +14,10 @@ pub enum Budget {
     Unlimited,
     /// Wall time, checked after every thousand boxes or candidates: so many are examined however short it
     /// is. A tick exceeds it by the time that sorting the boxes of one slice takes, and solving and reading
-    /// what was found. That is most of the work where many bodies stay near each other. A tick with a
-    /// budget works on one thread.
+    /// what was found. That is most of the work where many bodies stay near each other. A far jump of the
+    /// clock, and a slice with too many pairs, are searched in parts, each of them a search of all bodies: the budget
+    /// is checked between these. A tick with a budget searches on one thread.
+    /// Only dropping replaced plans, and reading what was found, may take a second one.
     ///
     /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
     /// ahead; with a fifth, nothing may be, until fewer plans change.

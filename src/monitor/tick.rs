@@ -27,7 +27,7 @@ impl Monitor {
     /// clock may stand still, or jump. A far jump reports all encounters on the way; its cost depends on
     /// these, hardly on its length.
     ///
-    /// In steady state a tick allocates nothing: it uses the memory of earlier ones, which holds as much as was
+    /// In steady state a tick on one thread allocates nothing: it uses the memory of earlier ones, which holds as much as was
     /// ever needed. Exception: where the boxes of more than 1,024 pairs and four a body meet in a slice of the
     /// lookahead, their memory is given back each time.
     ///

@@ -27,7 +27,7 @@ impl Monitor {
     ///   that very time, is not changed: leave out bodies that sleep. Nor is one that rests, and is told to rest
     ///   there.
     /// - The last state of a body that is named twice counts.
-    /// - In steady state nothing is allocated.
+    /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///
     /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
     /// then seem to cross it again and again: give the level a [release](crate::AlertLevel::release) above its margin.

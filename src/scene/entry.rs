@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 pub(crate) struct MotionSummary {
     /// Approximate extremes of all segments, m.
     pub(crate) extremes: DAabb,
-    /// Largest error of a segment's points, m.
+    /// Largest error of a piece's points, m.
     error: f64,
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
@@ -25,7 +25,7 @@ impl MotionSummary {
         let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
         let mut summary = Self {
             extremes,
-            error: segments.iter().map(Segment::error).fold(0.0, f64::max),
+            error: largest_error(knots, segments),
             path: segments.iter().map(Segment::extent).sum(),
             compact,
         };
@@ -48,6 +48,19 @@ impl MotionSummary {
             high: self.extremes.high + self.error,
         }
     }
+}
+
+/// Returns the largest error of a piece's points, m. That of a piece beyond its segment's own interval, which is left of
+/// an end motion, is not the segment's.
+fn largest_error(cuts: &[f64], segments: &[Segment]) -> f64 {
+    let errors = segments.iter().zip(cuts.windows(2)).map(|(segment, ends)| {
+        if segment.covers(ends[0], ends[1]) {
+            segment.error()
+        } else {
+            segment.restrict(ends[0], ends[1]).error
+        }
+    });
+    errors.fold(0.0, f64::max)
 }
 
 /// The storage of a body's compact trajectory.

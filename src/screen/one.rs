@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::query::Query;
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::{Body, Scene, SceneEntry, planned};
-use crate::window::Window;
 use std::iter::once;
 
 /// Bodies that one thread examines at a time.
@@ -53,7 +53,9 @@ impl Scene {
         let asked = query.window().or_else(|| planned(all()));
         let window = asked.ok_or(Error::NoPlan)?;
         let own = lone_view(body, window)?;
-        let range = extremes_of(&own, window);
+        // What happens within a rounding of an end is reported at the end.
+        let exact = (earliest_exact(window.start()), latest_exact(window.end()));
+        let range = extremes_of(&own, exact);
         let entries: Vec<_> = self.entries().collect();
         let chunks: Vec<_> = entries.chunks(CHUNK).collect();
         let found = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
@@ -63,7 +65,7 @@ impl Scene {
                 // What would make a screening fail does so here.
                 let view = lone_view(other, window).map_err(|error| error.with_id(id))?;
                 let reaches = [body.shape().reach(), other.shape().reach(), margin];
-                let is_far = || is_apart(&range, &extremes_in(entry, &view, window), reaches);
+                let is_far = || is_apart(&range, &extremes_in(entry, &view, exact), reaches);
                 if !body.layers.admits(other.layers) || is_far() {
                     continue;
                 }
@@ -85,22 +87,22 @@ impl Scene {
     }
 }
 
-/// Returns a box around a body's motion in a window, m; to rounding.
-fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, window: Window) -> DAabb {
+/// Returns a box around a body's motion between two instants (s), m; to rounding.
+fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) -> DAabb {
     if view.knots.are_extended() || !entry.body.trajectory.straight_motions().is_empty() {
-        extremes_of(view, window)
+        extremes_of(view, interval)
     } else {
         // Known: that of the whole plan.
         entry.summary().around()
     }
 }
 
-/// Returns a box around a motion in a window, cubic by cubic, m; to rounding.
-fn extremes_of(view: &BodyView<'_>, window: Window) -> DAabb {
+/// Returns a box around a motion between two instants (s), cubic by cubic, m; to rounding.
+fn extremes_of(view: &BodyView<'_>, (start, end): (f64, f64)) -> DAabb {
     let mut extremes = DAabb::NOTHING;
     for cubic in 0..view.knots.cubics() {
-        let from = view.knots.at(cubic).max(window.start());
-        let to = view.knots.at(cubic + 1).min(window.end());
+        let from = view.knots.at(cubic).max(start);
+        let to = view.knots.at(cubic + 1).min(end);
         if from > to {
             continue;
         }
