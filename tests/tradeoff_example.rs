@@ -163,9 +163,9 @@ fn what_is_refused() {
             None,
             &[
                 "--pictures",
-                "drawn",
+                "pictures",
                 "--json",
-                "drawn/tradeoff-stepped.svg",
+                "pictures/tradeoff-stepped.svg",
             ],
             2,
             "--json pictures/tradeoff-stepped.svg is a picture as well",
