@@ -58,7 +58,7 @@
 //!     budget.
 //!     - The *grid* is the frame and the length of slices. A slice is *needed* if it overlaps the lookahead. Work on
 //!       the next slice is *due* in shares; it is *put off* where there is too little room. A slice is *fresh* when
-//!       changed bodies are compared with all bodies. Each body has its box in a *lane* of the leaves of a tree.
+//!       all work on it that is due is done: then changed bodies are compared with all bodies. Each body has its box in a *lane* of the leaves of a tree.
 //!       The number of slices follows from *statistics* of motion.
 //!     - A search *from nothing* forms boxes of all bodies for itself alone, and keeps none. A *jump* of the clock
 //!       is searched so, in *chunks* of time.

@@ -58,7 +58,7 @@ struct Passage {
     apart: [f64; 3],
     change: [f64; 3],
     /// Square of the distance within which the bodies may be near.
-    reach: f64,
+    square_radius: f64,
     /// Square of the change.
     square: f64,
     /// Share of the slice at which the two are nearest, if they moved so for ever.
@@ -78,7 +78,7 @@ impl Passage {
         Self {
             apart,
             change,
-            reach: radius * radius,
+            square_radius: radius * radius,
             square,
             nearest: -dot(apart, change) / square,
         }
@@ -100,7 +100,7 @@ impl Passage {
         } else {
             0.0
         };
-        self.square_at(share) > self.reach
+        self.square_at(share) > self.square_radius
     }
 
     /// Returns the part of the slice in which the two may be near.
@@ -112,7 +112,7 @@ impl Passage {
             return (from, to);
         }
         // Not below zero but for rounding: the nearest instant of all is no farther.
-        let room = (self.reach - self.square_at(nearest)).max(0.0);
+        let room = (self.square_radius - self.square_at(nearest)).max(0.0);
         let half = (room / self.square).sqrt();
         let (enter, exit) = (nearest - half, nearest + half);
         let instant = |share: f64| from + share * (to - from);
