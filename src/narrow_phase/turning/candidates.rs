@@ -67,7 +67,7 @@ impl SphereCandidate {
 }
 
 /// Removes the candidates from `first` on in a list of which another one is nearer by more than `slack` all the time.
-fn remove_behind(candidates: &mut Vec<SphereCandidate>, first: usize, slack: f64) {
+pub(super) fn remove_behind(candidates: &mut Vec<SphereCandidate>, first: usize, slack: f64) {
     // Those that are nearest, or nearly so, at three instants.
     let mut nearest = [(f64::INFINITY, first); 3];
     for (place, candidate) in candidates.iter().enumerate().skip(first) {

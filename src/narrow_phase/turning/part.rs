@@ -7,7 +7,9 @@
 //! Where there are many pairs, the part is halved, and halves are halved again: in a short time, distances of
 //! spheres along one direction tell most pairs apart. Pairs are solved over the whole part.
 
-use super::candidates::{HALVINGS, SphereCandidate, find_nearest, rounding_of_heights};
+use super::candidates::{
+    HALVINGS, SphereCandidate, find_nearest, remove_behind, rounding_of_heights,
+};
 use crate::accuracy::Accuracy;
 use crate::blossom::restrict;
 use crate::enclosure::squared_distance;
@@ -138,6 +140,9 @@ impl Interval {
 }
 
 impl<'a> SpheresOverPart<'a> {
+    /// Number of candidates from which on those that are always farther than others are removed before more are listed.
+    /// Less in tests.
+    const FULL: usize = if cfg!(test) { 8 } else { 1 << 16 };
     /// Way in sums of radii from which on halving an interval tells enough pairs apart.
     const LONG: f64 = 2.0;
     /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 1 and 3, pairs
@@ -239,11 +244,16 @@ impl<'a> SpheresOverPart<'a> {
             }
             return;
         }
+        let slack = slack * normalising_power(self.scale);
         candidates.clear();
+        let mut room = Self::FULL;
         self.each_candidate(interval, (within, bound), near, |candidate| {
+            if candidates.len() == room {
+                remove_behind(candidates, 0, slack);
+                room = Self::FULL.max(2 * candidates.len());
+            }
             candidates.push(candidate);
         });
-        let slack = slack * normalising_power(self.scale);
         find_nearest(candidates, 0, slack, HALVINGS, nearest);
     }
 
