@@ -439,7 +439,7 @@ fn known_badly() -> Trajectory {
     short
 }
 
-/// What cannot be told is reported: of a body that may be 60 m from a place, or from a floor.
+/// A question and a screening both report a body that may, within its error, come near a place or a floor.
 #[test]
 fn pieces_beyond_their_cubic_are_known_badly() {
     let place = Trajectory::at_rest(-60.0 * DVec3::X).unwrap();

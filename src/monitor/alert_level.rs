@@ -45,4 +45,9 @@ impl AlertLevel {
             release: margin,
         }
     }
+
+    /// Returns true if encounters end at another margin than they begin at.
+    pub(super) fn has_release(&self) -> bool {
+        self.release > self.margin
+    }
 }

@@ -8,28 +8,20 @@ use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::revision_threshold::RevisionThreshold;
 use super::solved_spans::SlotPair;
 use super::sorted_slab::SortedSlab;
-use crate::conflict::ClosestApproach;
-use crate::id::BodyId;
+use crate::conflict::{ClosestApproach, Conflict};
 use crate::scene::Scene;
 use std::cmp::Ordering;
 
 /// An encounter as the plans have it now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlannedEncounter {
-    pub(super) a: BodyId,
-    pub(super) b: BodyId,
-    pub(super) tags: [u64; 2],
+    /// The conflict at the release margin. It is clipped at its exit if that is the end of a body's trajectory.
+    pub(super) conflict: Conflict,
     /// First instant within the margin, s; none if only the release margin is kept.
     pub(super) enter: Option<f64>,
-    /// First instant within the release margin, s.
-    pub(super) start: f64,
-    pub(super) exit: f64,
     /// True if the exit is the end of the known time.
     pub(super) open: bool,
-    /// True if the exit is the end of a body's trajectory.
-    pub(super) with_trajectory: bool,
-    pub(super) closest: ClosestApproach,
-    /// Closest approach up to the clock, if it has begun by then.
+    /// Closest approach up to the clock, if the conflict has begun by then.
     pub(super) passed: Option<ClosestApproach>,
 }
 
@@ -299,20 +291,20 @@ impl EncounterTracker {
 
 /// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
 fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
-    let order = (old.now.a, old.now.b).cmp(&(new.a, new.b));
+    let order = (old.now.a, old.now.b).cmp(&(new.conflict.a, new.conflict.b));
     if order.is_ne() {
         return order;
     }
     let old_is_over = if old.begun {
         // It was under way when the last tick reported: so it is still, or plans have changed.
-        new.start > tick.before
+        new.conflict.enter > tick.before
     } else {
         // An open encounter has no known exit: it may last until the new one.
-        !old.now.open && old.now.exit < new.enter.unwrap_or(new.start)
+        !old.now.open && old.now.exit < new.enter.unwrap_or(new.conflict.enter)
     };
     if old_is_over {
         Ordering::Less
-    } else if new.exit < old.now.enter {
+    } else if new.conflict.exit < old.now.enter {
         Ordering::Greater
     } else {
         Ordering::Equal
@@ -368,22 +360,22 @@ fn appear(
     let enter = new.enter?;
     let encounter = Encounter {
         id: EncounterId(*next_id),
-        a: new.a,
-        b: new.b,
-        tag_a: new.tags[0],
-        tag_b: new.tags[1],
+        a: new.conflict.a,
+        b: new.conflict.b,
+        tag_a: new.conflict.tag_a,
+        tag_b: new.conflict.tag_b,
         level,
         enter,
-        exit: new.exit,
+        exit: new.conflict.exit,
         open: new.open,
-        closest: new.closest,
+        closest: new.conflict.closest,
     };
     *next_id += 1;
     let tracked = TrackedEncounter {
         now: encounter,
         sent: SentNumbers::of(&encounter),
         begun: false,
-        with_trajectory: new.with_trajectory,
+        with_trajectory: new.conflict.clip.at_exit,
         passed: None,
     };
     if enter > tick.reported {
@@ -407,14 +399,14 @@ fn go_on(
         return unmatched(old, tick, events);
     };
     let mut tracked = *old;
-    tracked.with_trajectory = new.with_trajectory;
-    tracked.now.exit = new.exit;
+    tracked.with_trajectory = new.conflict.clip.at_exit;
+    tracked.now.exit = new.conflict.exit;
     tracked.now.open = new.open;
     if old.begun {
-        tracked.now.closest = lower(old.passed, new.closest);
+        tracked.now.closest = lower(old.passed, new.conflict.closest);
     } else {
         tracked.now.enter = enter;
-        tracked.now.closest = new.closest;
+        tracked.now.closest = new.conflict.closest;
     }
     let revised = differs(&tracked.now, &tracked.sent, tick);
     // What ends in this very tick is reported with its last numbers, not revised first.

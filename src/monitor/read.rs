@@ -2,18 +2,18 @@
 //! of the state machine.
 //!
 //! Most contacts lie well within the window, and stay the same from tick to tick: each pair is
-//! read once, when its solved spans have changed, whatever the window. Only what an edge of the
-//! window, or the clock, touches is read again: conflicts one by one, encounters pair by pair.
+//! read once, when its solved spans have changed, whatever the window. What an edge of the window, or the
+//! clock, touches is clipped to it in each tick.
 
 use super::alert_level::AlertLevel;
 use super::encounters::{PlannedEncounter, TickContext};
 use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
 use super::solved_spans::SlotPair;
-use crate::conflict::{ClosestApproach, Conflict};
-use crate::narrow_phase::Contact;
+use crate::conflict::Conflict;
+use crate::narrow_phase::{BodyView, Contact};
 use crate::scene::Scene;
-use crate::screen::conflict;
+use crate::screen::{conflict, describe};
 
 /// The caches of all alert levels.
 #[derive(Debug)]
@@ -22,8 +22,7 @@ pub(super) struct LevelCaches {
     pub(super) planned: Vec<EncounterCache>,
     /// Pairs whose solved spans have changed: to be read.
     pub(super) changed_pairs: Vec<SlotPair>,
-    /// Memory of two threads.
-    pub(super) scratch: [ReadScratch; 2],
+    pub(super) scratch: ReadScratch,
 }
 
 /// Memory that reading reuses.
@@ -33,8 +32,6 @@ pub(super) struct ReadScratch {
     pub(super) contacts: Vec<Contact>,
     /// Contacts within the release margin.
     released: Vec<Contact>,
-    /// Contacts up to the clock.
-    passed: Vec<Contact>,
 }
 
 /// The search that is read, and its scene.
@@ -63,7 +60,7 @@ impl LevelCaches {
     /// Reads the [changed pairs](Self::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
     /// before an instant (s) are dropped.
     pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
-        let (changed, [scratch, _]) = (&self.changed_pairs, &mut self.scratch);
+        let (changed, scratch) = (&self.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
         for ((conflicts, encounters), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);
@@ -78,8 +75,7 @@ impl LevelCaches {
 }
 
 impl ReadContext<'_> {
-    /// Reads all conflicts and planned encounters of a pair in the time in which both bodies exist, as if the clock had
-    /// reached none of them.
+    /// Reads all conflicts and planned encounters of a pair in the time in which both bodies exist.
     fn read_whole(
         &self,
         slots: SlotPair,
@@ -91,7 +87,7 @@ impl ReadContext<'_> {
         let Some(domain) = self.search.domain(self.scene, slots) else {
             return;
         };
-        let contacts = &mut scratch.contacts;
+        let ReadScratch { contacts, released } = scratch;
         self.contacts(slots, alert.margin, domain, contacts);
         for conflict in contacts
             .iter()
@@ -99,81 +95,8 @@ impl ReadContext<'_> {
         {
             conflicts.add(slots, conflict);
         }
-        let any_time = TickContext {
-            reported: f64::NEG_INFINITY,
-            known: f64::INFINITY,
-            ..TickContext::default()
-        };
-        let whole = (domain, domain.1);
-        self.each_planned(slots, alert, &any_time, whole, scratch, |planned| {
-            encounters.add(slots, planned);
-        });
-    }
-
-    /// Returns the part of a window in which both bodies of a pair exist, and the instant at which one of them ceases to
-    /// exist, s.
-    fn clip(&self, slots: SlotPair, (from, to): (f64, f64)) -> Option<((f64, f64), f64)> {
-        let (start, ends) = self.search.domain(self.scene, slots)?;
-        let clip = (start.max(from), ends.min(to));
-        (clip.0 <= clip.1).then_some((clip, ends))
-    }
-
-    /// Appends the part of a pair's conflict that lies in a window. `lasts` is the whole interval of the conflict (s).
-    pub(super) fn clipped(
-        &self,
-        slots: SlotPair,
-        margin: f64,
-        (lasts, window): ((f64, f64), (f64, f64)),
-        contacts: &mut Vec<Contact>,
-        conflicts: &mut Vec<Conflict>,
-    ) {
-        let Some((clip, _)) = self.clip(slots, window) else {
-            return;
-        };
-        let part = (clip.0.max(lasts.0), clip.1.min(lasts.1));
-        self.contacts(slots, margin, part, contacts);
-        let report = |contact| self.report(slots, clip, contact);
-        conflicts.extend(contacts.iter().filter_map(report));
-    }
-
-    /// Appends the planned encounters of a pair as a tick sees them.
-    pub(super) fn planned(
-        &self,
-        slots: SlotPair,
-        alert: &AlertLevel,
-        tick: &TickContext,
-        scratch: &mut ReadScratch,
-        found: &mut Vec<PlannedEncounter>,
-    ) {
-        let window = (tick.before, tick.known);
-        if let Some((clip, ends)) = self.clip(slots, window) {
-            let contacts = &mut scratch.contacts;
-            self.contacts(slots, alert.margin, clip, contacts);
-            let period = (clip, ends);
-            self.each_planned(slots, alert, tick, period, scratch, |planned| {
-                found.push(planned)
-            });
-        }
-    }
-
-    /// Computes the planned encounters of a pair within `clip`, of which `scratch` has the contacts
-    /// at the margin. `ends` is the instant (s) at which one of the bodies ceases to exist.
-    fn each_planned(
-        &self,
-        slots: SlotPair,
-        alert: &AlertLevel,
-        tick: &TickContext,
-        (clip, ends): ((f64, f64), f64),
-        scratch: &mut ReadScratch,
-        mut visit: impl FnMut(PlannedEncounter),
-    ) {
-        let ReadScratch {
-            contacts,
-            released,
-            passed,
-        } = scratch;
-        if alert.release > alert.margin {
-            self.contacts(slots, alert.release, clip, released);
+        if alert.has_release() {
+            self.contacts(slots, alert.release, domain, released);
         } else {
             released.clone_from(contacts);
         }
@@ -185,45 +108,79 @@ impl ReadContext<'_> {
                 .filter(|contact| contact.enter <= outer.exit && contact.exit >= outer.enter);
             let first = within.next();
             let last = within.next_back().or(first);
-            let start = first.map_or(outer.enter, |contact| contact.enter.min(outer.enter));
-            let exit = last.map_or(outer.exit, |contact| contact.exit.max(outer.exit));
-            let Some(conflict) = self.report(slots, clip, outer) else {
+            let Some(mut conflict) = self.report(slots, domain, outer) else {
                 continue;
             };
-            let passed_part = (start, exit.min(tick.reported));
-            visit(PlannedEncounter {
-                a: conflict.a,
-                b: conflict.b,
-                tags: [conflict.tag_a, conflict.tag_b],
+            if let (Some(first), Some(last)) = (first, last) {
+                conflict.enter = conflict.enter.min(first.enter);
+                conflict.exit = conflict.exit.max(last.exit);
+            }
+            let planned = PlannedEncounter {
+                conflict,
                 enter: first.map(|contact| contact.enter),
-                start,
-                exit,
-                open: exit >= tick.known && ends > tick.known,
-                with_trajectory: exit >= ends,
-                closest: conflict.closest,
-                passed: self.passed_closest(slots, alert.release, passed_part, passed),
-            });
+                open: false,
+                passed: None,
+            };
+            encounters.add(slots, planned);
         }
     }
 
-    /// Returns the closest approach over the part of an encounter that the clock has passed.
-    fn passed_closest(
+    /// Returns the part of a pair's conflict that lies in a window (s).
+    pub(super) fn clipped(
         &self,
         slots: SlotPair,
-        margin: f64,
-        part: (f64, f64),
-        scratch: &mut Vec<Contact>,
-    ) -> Option<ClosestApproach> {
-        if part.0 > part.1 {
+        whole: &Conflict,
+        window: (f64, f64),
+    ) -> Option<Conflict> {
+        let mut part = *whole;
+        part.clip.at_enter |= whole.enter <= window.0;
+        part.clip.at_exit |= whole.exit >= window.1;
+        (part.enter, part.exit) = (whole.enter.max(window.0), whole.exit.min(window.1));
+        let lasts = part.enter..=part.exit;
+        if lasts.is_empty() {
             return None;
         }
-        self.contacts(slots, margin, part, scratch);
-        let conflicts = scratch
-            .iter()
-            .filter_map(|contact| self.report(slots, part, contact));
-        conflicts
-            .map(|conflict| conflict.closest)
-            .reduce(|x, y| if y.separation < x.separation { y } else { x })
+        if !lasts.contains(&whole.closest.time) {
+            let interval = (part.enter, part.exit);
+            let approach = self.search.solved.closest(slots, interval, part.clip)?;
+            let [a, b] = self.views(slots)?;
+            part.closest = describe(&approach, &a, &b);
+        }
+        Some(part)
+    }
+
+    /// Returns a planned encounter of a pair as a tick sees it.
+    pub(super) fn planned(
+        &self,
+        slots: SlotPair,
+        whole: &PlannedEncounter,
+        alert: &AlertLevel,
+        tick: &TickContext,
+        contacts: &mut Vec<Contact>,
+    ) -> Option<PlannedEncounter> {
+        let clipped = |to| self.clipped(slots, &whole.conflict, (tick.before, to));
+        let mut conflict = clipped(tick.known)?;
+        let ends = whole.conflict.clip.at_exit;
+        conflict.clip.at_exit = ends && whole.conflict.exit <= tick.known;
+        let enter = match whole.enter {
+            Some(enter) if enter <= tick.before => {
+                if alert.has_release() {
+                    // That one may be over, and another one ahead.
+                    let interval = (conflict.enter, conflict.exit);
+                    self.contacts(slots, alert.margin, interval, contacts);
+                    contacts.first().map(|contact| contact.enter)
+                } else {
+                    Some(conflict.enter)
+                }
+            }
+            later => later.filter(|&enter| enter <= tick.known),
+        };
+        Some(PlannedEncounter {
+            enter,
+            open: conflict.exit >= tick.known && !conflict.clip.at_exit,
+            passed: clipped(tick.reported).map(|passed| passed.closest),
+            conflict,
+        })
     }
 
     /// Finds all contacts of a pair within `margin` and the bodies' model errors in `clip`; replaces
@@ -233,17 +190,19 @@ impl ReadContext<'_> {
         self.search.solved.contacts(slots, margin, clip, found);
     }
 
+    fn views(&self, (a, b): SlotPair) -> Option<[BodyView<'_>; 2]> {
+        let view = |slot| self.search.view(self.scene, slot);
+        Some([view(a)?, view(b)?])
+    }
+
     /// Returns the conflict of a contact of a pair, clipped to an interval (s).
-    fn report(&self, (a, b): SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
+    fn report(&self, slots: SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
         let name = |slot| {
             let (id, entry) = self.scene.in_slot(slot)?;
             Some((id, entry.body.tag))
         };
-        let names = [name(a)?, name(b)?];
-        let views = (
-            self.search.view(self.scene, a)?,
-            self.search.view(self.scene, b)?,
-        );
-        Some(conflict(contact, names, (&views.0, &views.1), clip))
+        let names = [name(slots.0)?, name(slots.1)?];
+        let [a, b] = self.views(slots)?;
+        Some(conflict(contact, names, (&a, &b), clip))
     }
 }

@@ -2,7 +2,8 @@
 
 use super::bodies::BodyTable;
 use super::sorted_slab::{IndexEntry, SortedSlab};
-use crate::narrow_phase::{Contact, SolvedSpan, contacts_of, solve};
+use crate::conflict::Clip;
+use crate::narrow_phase::{Approach, Contact, SolvedSpan, contacts_of, solve};
 use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
 use std::collections::BTreeMap;
@@ -133,5 +134,15 @@ impl SolvedSpans {
         found.clear();
         let solved = self.of(pair).map(|find| self.spans.at(find.place));
         contacts_of(solved, margin, clip, found);
+    }
+
+    /// Returns the closest approach of a pair in a part of a contact (s); `clip` says which ends of the part are not
+    /// those of the contact.
+    pub(super) fn closest(&self, pair: SlotPair, part: (f64, f64), clip: Clip) -> Option<Approach> {
+        let overlaps =
+            |find: &&IndexEntry<SpanKey>| find.interval.0 <= part.1 && part.0 <= find.interval.1;
+        let solved = self.of(pair).filter(overlaps);
+        let approaches = solved.map(|find| self.spans.at(find.place).closest(part, clip));
+        approaches.reduce(Approach::or_lower)
     }
 }

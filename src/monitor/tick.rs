@@ -13,7 +13,6 @@ use super::reading::{EncounterCache, WindowEdges};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::{Monitor, SlotAdmission};
-use crate::conflict::Conflict;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::without_negative_zero;
@@ -289,19 +288,16 @@ impl Monitor {
         let LevelCaches {
             conflicts,
             planned,
-            scratch: [scratch, other_scratch],
+            scratch,
             ..
         } = &mut self.readings;
         let (levels, lists) = (&self.levels, &mut self.conflicts);
         let read_conflicts = || {
-            for ((conflicts, list), alert) in conflicts.iter_mut().zip(lists).zip(levels) {
+            for (conflicts, list) in conflicts.iter().zip(lists) {
                 list.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    let clipped = |pair, lasts, found: &mut Vec<Conflict>| {
-                        let period = (lasts, window);
-                        context.clipped(pair, alert.margin, period, &mut scratch.contacts, found);
-                    };
+                    let clipped = |pair, whole: &_| context.clipped(pair, whole, window);
                     conflicts.list(window, clipped, list);
                 }
             }
@@ -319,8 +315,8 @@ impl Monitor {
                     if planned.lists_all() {
                         tracker.wait_for_all();
                     }
-                    planned.list(edges, tracker.waiting(), |pair, found| {
-                        context.planned(pair, alert, tick, other_scratch, found);
+                    planned.list(edges, tracker.waiting(), |pair, whole| {
+                        context.planned(pair, whole, alert, tick, &mut scratch.contacts)
                     });
                     tracker.update(planned.listed(), tick, next_id, events);
                 }

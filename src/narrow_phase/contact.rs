@@ -9,6 +9,7 @@ use super::stretches::{DistanceProfile, FoundContact, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
+use crate::conflict::Clip;
 use crate::spans::Span;
 
 /// A pair of spheres whose distance over a span is solved. Contacts at any margin and window follow without a
@@ -18,6 +19,20 @@ pub(crate) struct SolvedSpan {
     span: Span,
     pair: SpherePair,
     profile: DistanceProfile,
+}
+
+impl SolvedSpan {
+    /// Returns the closest approach of the two spheres in a part of a contact (s) that overlaps the span; `clip` says
+    /// which ends of the part are not those of the contact.
+    pub(crate) fn closest(&self, (from, to): (f64, f64), clip: Clip) -> Approach {
+        let Self {
+            span,
+            pair,
+            profile,
+        } = self;
+        let part = (from.max(pair.cubic.start), to.min(pair.cubic.end));
+        pair.approach(*span, profile.closest_in(&pair.cubic, part, clip))
+    }
 }
 
 /// Returns the only two spheres of a pair over a span, or `None` if there are more, or one turns. A

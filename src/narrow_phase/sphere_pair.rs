@@ -49,7 +49,7 @@ impl Approach {
     }
 
     /// Returns the lower of two approaches; of ties, the earlier one.
-    pub(super) fn or_lower(self, other: Self) -> Self {
+    pub(crate) fn or_lower(self, other: Self) -> Self {
         let (first, second) = if other.time < self.time {
             (other, self)
         } else {

@@ -9,6 +9,7 @@ use super::dips::{DistanceExtrema, may_be_hidden};
 use super::hull::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
+use crate::conflict::Clip;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
 
 /// An instant of a span with its centre distance.
@@ -168,44 +169,66 @@ impl DistanceProfile {
     /// Returns the earliest instant of least distance in the overlap of `from..=to` and the span.
     pub(crate) fn closest(&self, cubic: &RelativeCubic, from: f64, to: f64) -> ProfilePoint {
         let interval = (from.max(cubic.start), to.min(cubic.end));
-        self.closest_in(cubic, interval, interval)
+        let clip = Clip {
+            at_enter: true,
+            at_exit: true,
+        };
+        self.closest_in(cubic, interval, clip)
     }
 
-    /// Returns the earliest instant of least distance of a stretch. Its ends inside `clip` are
+    /// Returns the earliest instant of least distance of a stretch. Ends that are not clipped are
     /// crossings of the threshold: the distance there exceeds that of a node inside, whatever
     /// rounding says.
-    fn closest_in(
+    ///
+    /// An instant that is the result of a stretch is also that of each clipped part that contains it: at a clipped end
+    /// the distance is not below that of the node from which it rises there, whatever rounding says.
+    pub(super) fn closest_in(
         &self,
         cubic: &RelativeCubic,
         (from, to): (f64, f64),
-        clip: (f64, f64),
+        clip: Clip,
     ) -> ProfilePoint {
-        let cut = |time: f64| ProfilePoint {
+        let cut = |time: f64, least: f64| ProfilePoint {
             time,
-            distance: cubic.distance(cubic.parameter(time)),
+            distance: cubic.distance(cubic.parameter(time)).max(least),
             plateau: self.plateau,
         };
         let mut closest = None;
         let mut include = |point: ProfilePoint| {
             closest = Some(closest.map_or(point, |first: ProfilePoint| first.or_lower(point)));
         };
+        // The distances of the two nodes between which an instant lies, if it is none of a node.
+        let around = |time: f64| {
+            let next = self.nodes().iter().position(|node| node.time >= time)?;
+            let [before, after] = self.nodes.get(next.checked_sub(1)?..=next)? else {
+                return None;
+            };
+            (after.time > time).then_some((before.distance, after.distance))
+        };
         if self.plateau > 0.0 || from <= cubic.start {
             include(ProfilePoint {
                 time: from,
                 ..self.instant(&self.nodes[0])
             });
-        } else if from <= clip.0 {
-            include(cut(from));
+        } else if clip.at_enter
+            && let Some((before, after)) = around(from)
+            && before <= after
+        {
+            include(cut(from, before));
         }
         for node in self.nodes() {
             if from <= node.time && node.time <= to {
                 include(self.instant(node));
             }
         }
-        if to >= clip.1 && to < cubic.end {
-            include(cut(to));
+        if clip.at_exit
+            && to < cubic.end
+            && let Some((before, after)) = around(to)
+            && before > after
+        {
+            include(cut(to, after));
         }
-        closest.unwrap_or_else(|| cut(from))
+        closest.unwrap_or_else(|| cut(from, 0.0))
     }
 
     /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal
@@ -261,7 +284,11 @@ impl DistanceProfile {
             };
             let (enter, exit) = (enter.max(from), exit.min(to));
             if enter <= exit {
-                let closest = self.closest_in(cubic, (enter, exit), (from, to));
+                let clip = Clip {
+                    at_enter: enter <= from,
+                    at_exit: exit >= to,
+                };
+                let closest = self.closest_in(cubic, (enter, exit), clip);
                 found((enter, exit), closest);
             }
         }

@@ -13,7 +13,7 @@ mod prepared;
 mod solve;
 mod survey;
 
-pub(crate) use solve::conflict;
+pub(crate) use solve::{conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Everyone, Method, PairFilter};

@@ -242,7 +242,8 @@ pub(crate) fn conflict(
     }
 }
 
-pub(super) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) -> ClosestApproach {
+/// Returns the reported form of a closest approach.
+pub(crate) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) -> ClosestApproach {
     let (position_a, position_b, relative_velocity) = approach.kinematics(a, b);
     ClosestApproach {
         time: approach.time,

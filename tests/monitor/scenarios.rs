@@ -234,17 +234,27 @@ fn hysteresis_keeps_an_encounter_that_hovers() {
     assert_eq!(count(2.5), 1);
 }
 
-#[test]
-fn small_changes_are_not_told() {
+/// Returns a monitor of two bodies that meet, which reports changes from 0.1 s and 0.1 m on, and the first one's id.
+fn two_with_coarse_revisions() -> (Monitor, BodyId) {
     let (a, b) = head_on();
-    let (mut monitor, id, _) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
     let revision_threshold = RevisionThreshold {
         time: 0.1,
         separation: 0.1,
     };
     monitor.set_revision_threshold(revision_threshold).unwrap();
+    (monitor, id)
+}
+
+/// Returns the first body's path of [`two_with_coarse_revisions`], moved sideways (m).
+fn nudged(y: f64) -> Trajectory {
+    line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X)
+}
+
+#[test]
+fn small_changes_are_not_told() {
+    let (mut monitor, id) = two_with_coarse_revisions();
     tick(&mut monitor, 2.0);
-    let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
     monitor.set_trajectory(id, nudged(0.05)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 2.1)), [""; 0]);
     // Measured from what was last sent, not from the last tick.
@@ -263,16 +273,9 @@ fn small_changes_are_not_told() {
 /// Revisions are measured from the first event and the last revision, also if `Began` told other numbers since.
 #[test]
 fn changes_are_measured_from_the_prediction_also_after_the_beginning() {
-    let (a, b) = head_on();
-    let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
-    let revision_threshold = RevisionThreshold {
-        time: 0.1,
-        separation: 0.1,
-    };
-    monitor.set_revision_threshold(revision_threshold).unwrap();
+    let (mut monitor, id) = two_with_coarse_revisions();
     // The exit is in sight.
     tick(&mut monitor, 2.0);
-    let nudged = |y: f64| line(0.0, 100.0, DVec3::new(0.0, y, 0.0), DVec3::X);
     // The least separation is 0.5 m at first, then 0.44 and 0.36 m.
     monitor.set_trajectory(id, nudged(0.06)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 9.1)), ["began 0"]);

@@ -33,12 +33,12 @@ impl ConflictCache {
         self.all.merge_added();
     }
 
-    /// Puts all conflicts of a window into `listed`, in the order of reports. `again` reads what the
-    /// window has of one at its edge, given the pair and when the conflict lasts (s) whatever the window.
+    /// Puts all conflicts of a window into `listed`, in the order of reports. `clipped` returns what the
+    /// window has of a pair's conflict at its edge.
     pub(in crate::monitor) fn list(
         &self,
         window: (f64, f64),
-        mut again: impl FnMut(SlotPair, (f64, f64), &mut Vec<Conflict>),
+        clipped: impl Fn(SlotPair, &Conflict) -> Option<Conflict>,
         listed: &mut Vec<Conflict>,
     ) {
         listed.clear();
@@ -52,7 +52,7 @@ impl ConflictCache {
                 WindowSide::Within => listed.push(*self.all.at(entry.place)),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {
-                    again(entry.key.1, entry.interval, listed);
+                    listed.extend(clipped(entry.key.1, self.all.at(entry.place)));
                     if entry.interval.0 <= window.0 {
                         begun = listed.len();
                     }

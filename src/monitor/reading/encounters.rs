@@ -39,7 +39,8 @@ impl EncounterCache {
     /// Adds the planned encounters of a pair; pairs come in order.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, planned: PlannedEncounter) {
         self.touched.push(slots);
-        self.all.add(slots, (planned.start, planned.exit), planned);
+        let interval = (planned.conflict.enter, planned.conflict.exit);
+        self.all.add(slots, interval, planned);
     }
 
     /// Sorts the added encounters in.
@@ -71,12 +72,12 @@ impl EncounterCache {
     /// - an encounter is at an edge of the window, or has passed one;
     /// - the pair is one of `wait`.
     ///
-    /// `again` reads all encounters of a pair in the window.
+    /// `clipped` returns what the window has of a pair's encounter at its edge.
     pub(in crate::monitor) fn list(
         &mut self,
         edges: WindowEdges,
         wait: &[SlotPair],
-        mut again: impl FnMut(SlotPair, &mut Vec<PlannedEncounter>),
+        mut clipped: impl FnMut(SlotPair, &PlannedEncounter) -> Option<PlannedEncounter>,
     ) {
         let Self {
             all,
@@ -107,15 +108,15 @@ impl EncounterCache {
                     |entry: &IndexEntry<SlotPair>| side(entry) == before.side_of(entry.interval);
                 entries.iter().all(is_same)
             };
-            if is_at_edge {
-                again(slots, listed);
-            } else if is_touched || !before.is_some_and(is_as_before) {
-                let within = entries
-                    .iter()
-                    .filter(|entry| side(entry) == WindowSide::Within);
-                listed.extend(within.map(|entry| *all.at(entry.place)));
-            } else {
+            if !(is_at_edge || is_touched) && before.is_some_and(is_as_before) {
                 continue;
+            }
+            for entry in entries {
+                match side(entry) {
+                    WindowSide::Within => listed.push(*all.at(entry.place)),
+                    WindowSide::Beyond => {}
+                    WindowSide::AtEdge => listed.extend(clipped(slots, all.at(entry.place))),
+                }
             }
             pairs.push((slots, listed.len()));
         }

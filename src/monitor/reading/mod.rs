@@ -81,17 +81,10 @@ mod tests {
     }
 
     fn planned(slots: (u32, u32), (start, exit): (f64, f64)) -> PlannedEncounter {
-        let (a, b) = ids(slots);
         PlannedEncounter {
-            a,
-            b,
-            tags: [0; 2],
+            conflict: conflict(slots, (start, exit)),
             enter: Some(start),
-            start,
-            exit,
             open: false,
-            with_trajectory: false,
-            closest: CLOSEST,
             passed: None,
         }
     }
@@ -116,13 +109,13 @@ mod tests {
         cache.drop_changed(&[(0, 9)], 5.2);
         let left = [6, 7, 8, 10].map(|other| (0, other));
         let mut listed = Vec::new();
-        conflicts.list(all, |_, _, _| {}, &mut listed);
+        conflicts.list(all, |_, _| None, &mut listed);
         let found = listed.iter().map(|one| one.b.slot);
         assert_eq!(found.collect::<Vec<_>>(), left.map(|(_, other)| other));
-        cache.list(edges, &[], |_, _| {});
+        cache.list(edges, &[], |_, _| None);
         let found = cache.listed().filter_map(|(slots, mut planned)| {
             planned.next().map(|planned| {
-                assert_eq!(planned.b.slot, slots.1);
+                assert_eq!(planned.conflict.b.slot, slots.1);
                 slots
             })
         });
@@ -140,7 +133,7 @@ mod tests {
             within: (0.0, 1.0),
             around: (0.0, 1.0),
         };
-        cache.list(edges, &[], |_, _| {});
+        cache.list(edges, &[], |_, _| None);
         assert!(!cache.lists_all());
         for round in 0..2_000 {
             let slots = (round, round + 1);
@@ -149,7 +142,7 @@ mod tests {
             cache.merge_added();
         }
         assert!(cache.lists_all());
-        cache.list(edges, &[(7, 8)], |_, _| {});
+        cache.list(edges, &[(7, 8)], |_, _| None);
         let listed = cache
             .listed()
             .map(|(slots, planned)| (slots, planned.count()));
@@ -172,7 +165,10 @@ mod tests {
                 around: (now - 0.1, known),
             };
             let mut read = Vec::new();
-            cache.list(edges, wait, |slots, _| read.push(slots.1));
+            cache.list(edges, wait, |slots, _| {
+                read.push(slots.1);
+                None
+            });
             let all: Vec<_> = cache.listed().map(|(slots, _)| slots.1).collect();
             (all, read)
         };

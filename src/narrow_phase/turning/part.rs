@@ -4,8 +4,8 @@
 //! solved: all the time, another pair is nearer by more than the solver's rounding. What
 //! remains suffices for contacts within any margin, and for the closest approach, in any window.
 //!
-//! Where there are many pairs, the part is halved, and halves are halved again: in a short time, distances of
-//! spheres along one direction tell most pairs apart. Pairs are solved over the whole part.
+//! A part with many pairs is halved, and its halves are halved again: in a short time, distances of spheres along one
+//! direction tell most pairs apart. Each pair is solved over the whole part.
 
 use super::candidates::{
     HALVINGS, SphereCandidate, find_nearest, remove_behind, rounding_of_heights,
