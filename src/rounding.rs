@@ -41,10 +41,10 @@
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of rejections, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
 //! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
-//! | squares of heights | `narrow_phase/hull` | `hull::tests::what_is_reached_is_not_beyond` |
+//! | squares of heights | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
 //! | tolerance before roots, once | `narrow_phase/stretches` | `stretches::tests` |
 //! | tolerance before roots, once more | `narrow_phase/stretches` | proof 1 |
-//! | differences of heights; tolerance of stretches | `narrow_phase/hull`, `stretches` | `hull::tests`, `rejection::tests` |
+//! | differences of heights; tolerance of stretches | `narrow_phase/squared_distance`, `stretches` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |

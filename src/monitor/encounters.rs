@@ -29,8 +29,8 @@ pub(super) struct PlannedEncounter {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TrackedEncounter {
-    /// The encounter as of the last tick that updated it.
-    now: Encounter,
+    /// As of the last tick that updated it.
+    encounter: Encounter,
     sent: SentNumbers,
     begun: bool,
     with_trajectory: bool,
@@ -92,12 +92,15 @@ impl Saved {
     pub(super) fn could_be(&self, level: usize, reported: f64, scene: &Scene) -> bool {
         self.0.iter().all(|tracked| {
             let TrackedEncounter {
-                now, sent, passed, ..
+                encounter,
+                sent,
+                passed,
+                ..
             } = tracked;
             let has = |id, tag| scene.body(id).is_some_and(|body| body.tag == tag);
-            let are_there = has(now.a, now.tag_a) && has(now.b, now.tag_b);
-            let is_of_level = now.level == level && now.could_be(level + 1);
-            let is_begun = tracked.begun == (now.enter <= reported);
+            let are_there = has(encounter.a, encounter.tag_a) && has(encounter.b, encounter.tag_b);
+            let is_of_level = encounter.level == level && encounter.could_be(level + 1);
+            let is_begun = tracked.begun == (encounter.enter <= reported);
             let is_passed = passed.is_none_or(|passed| tracked.begun && passed.is_finite());
             are_there && is_of_level && is_begun && is_passed && sent.are_finite()
         })
@@ -106,7 +109,7 @@ impl Saved {
     /// Ends or withdraws the encounters of bodies in some slots, at a time (s).
     pub(super) fn end_of_removed(&mut self, now: f64, removed: &[u32], events: &mut Vec<Event>) {
         self.0.retain(|tracked| {
-            let [a, b] = [tracked.now.a.slot, tracked.now.b.slot];
+            let [a, b] = [tracked.encounter.a.slot, tracked.encounter.b.slot];
             let is_over = removed.contains(&a) || removed.contains(&b);
             if is_over {
                 events.push(over_at(tracked, now, EndReason::BodyRemoved));
@@ -116,7 +119,7 @@ impl Saved {
     }
 
     pub(super) fn ids(&self) -> impl Iterator<Item = u64> {
-        self.0.iter().map(|tracked| tracked.now.id.0)
+        self.0.iter().map(|tracked| tracked.encounter.id.0)
     }
 }
 
@@ -169,7 +172,7 @@ impl EncounterTracker {
 
     /// Returns the encounters that have begun and not ended, or lie ahead.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Encounter> {
-        self.tracked.values().map(|tracked| &tracked.now)
+        self.tracked.values().map(|tracked| &tracked.encounter)
     }
 
     /// Returns the pairs that are updated whether they have changed or not, sorted.
@@ -239,7 +242,7 @@ impl EncounterTracker {
             if let Some(tracked) = goes_on {
                 // Only an encounter that was not found again can begin beyond the known time here.
                 let waiting = &mut self.waiting;
-                if tracked.now.enter > tick.known && waiting.last() != Some(&slots) {
+                if tracked.encounter.enter > tick.known && waiting.last() != Some(&slots) {
                     waiting.push(slots);
                 }
                 self.add(slots, tracked);
@@ -248,7 +251,7 @@ impl EncounterTracker {
     }
 
     fn add(&mut self, slots: SlotPair, tracked: TrackedEncounter) {
-        let interval = (tracked.now.enter, tracked.now.exit);
+        let interval = (tracked.encounter.enter, tracked.encounter.exit);
         self.tracked.add(slots, interval, tracked);
     }
 
@@ -261,7 +264,8 @@ impl EncounterTracker {
     pub(super) fn restored(level: usize, saved: Saved) -> Self {
         let mut encounters = Self::of_level(level);
         let Saved(mut saved) = saved;
-        let slots_of = |tracked: &TrackedEncounter| (tracked.now.a.slot, tracked.now.b.slot);
+        let slots_of =
+            |tracked: &TrackedEncounter| (tracked.encounter.a.slot, tracked.encounter.b.slot);
         // They are, unless the file was changed.
         saved.sort_by_key(slots_of);
         for tracked in saved {
@@ -291,7 +295,7 @@ impl EncounterTracker {
 
 /// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
 fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
-    let order = (old.now.a, old.now.b).cmp(&(new.conflict.a, new.conflict.b));
+    let order = (old.encounter.a, old.encounter.b).cmp(&(new.conflict.a, new.conflict.b));
     if order.is_ne() {
         return order;
     }
@@ -300,11 +304,11 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
         new.conflict.enter > tick.before
     } else {
         // An open encounter has no known exit: it may last until the new one.
-        !old.now.open && old.now.exit < new.enter.unwrap_or(new.conflict.enter)
+        !old.encounter.open && old.encounter.exit < new.enter.unwrap_or(new.conflict.enter)
     };
     if old_is_over {
         Ordering::Less
-    } else if new.conflict.exit < old.now.enter {
+    } else if new.conflict.exit < old.encounter.enter {
         Ordering::Greater
     } else {
         Ordering::Equal
@@ -313,12 +317,12 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
 
 fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
     if tracked.begun {
-        let closest = tracked.passed.unwrap_or(tracked.now.closest);
+        let closest = tracked.passed.unwrap_or(tracked.encounter.closest);
         let encounter = Encounter {
             exit: now,
             open: false,
             closest,
-            ..tracked.now
+            ..tracked.encounter
         };
         Event {
             time: now,
@@ -327,7 +331,7 @@ fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
     } else {
         Event {
             time: now,
-            kind: EventKind::Withdrawn(tracked.now),
+            kind: EventKind::Withdrawn(tracked.encounter),
         }
     }
 }
@@ -338,7 +342,7 @@ fn unmatched(
     tick: &TickContext,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
-    if !old.begun && old.now.enter > tick.known {
+    if !old.begun && old.encounter.enter > tick.known {
         // Nothing is known about it: it waits.
         return Some(*old);
     }
@@ -372,7 +376,7 @@ fn appear(
     };
     *next_id += 1;
     let tracked = TrackedEncounter {
-        now: encounter,
+        encounter,
         sent: SentNumbers::of(&encounter),
         begun: false,
         with_trajectory: new.conflict.clip.at_exit,
@@ -394,28 +398,28 @@ fn go_on(
     tick: &TickContext,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
-    let Some(enter) = new.enter.or(old.begun.then_some(old.now.enter)) else {
+    let Some(enter) = new.enter.or(old.begun.then_some(old.encounter.enter)) else {
         // Only the release margin is left of one that had not begun.
         return unmatched(old, tick, events);
     };
     let mut tracked = *old;
     tracked.with_trajectory = new.conflict.clip.at_exit;
-    tracked.now.exit = new.conflict.exit;
-    tracked.now.open = new.open;
+    tracked.encounter.exit = new.conflict.exit;
+    tracked.encounter.open = new.open;
     if old.begun {
-        tracked.now.closest = lower(old.passed, new.conflict.closest);
+        tracked.encounter.closest = lower(old.passed, new.conflict.closest);
     } else {
-        tracked.now.enter = enter;
-        tracked.now.closest = new.conflict.closest;
+        tracked.encounter.enter = enter;
+        tracked.encounter.closest = new.conflict.closest;
     }
-    let revised = differs(&tracked.now, &tracked.sent, tick);
+    let revised = differs(&tracked.encounter, &tracked.sent, tick);
     // What ends in this very tick is reported with its last numbers, not revised first.
     let mut tracked = clock(tracked, new, tick, events)?;
     if revised {
-        tracked.sent = SentNumbers::of(&tracked.now);
+        tracked.sent = SentNumbers::of(&tracked.encounter);
         events.push(Event {
             time: tick.now,
-            kind: EventKind::Revised(tracked.now),
+            kind: EventKind::Revised(tracked.encounter),
         });
     }
     Some(tracked)
@@ -428,26 +432,26 @@ fn clock(
     tick: &TickContext,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
-    if !tracked.begun && tracked.now.enter <= tick.reported {
+    if !tracked.begun && tracked.encounter.enter <= tick.reported {
         tracked.begun = true;
         events.push(Event {
-            time: tracked.now.enter,
-            kind: EventKind::Began(tracked.now),
+            time: tracked.encounter.enter,
+            kind: EventKind::Began(tracked.encounter),
         });
     }
     if tracked.begun {
         if let Some(passed) = new.passed {
             tracked.passed = Some(lower(tracked.passed, passed));
         }
-        if !tracked.now.open && tracked.now.exit < tick.reported {
+        if !tracked.encounter.open && tracked.encounter.exit < tick.reported {
             let reason = if tracked.with_trajectory {
                 EndReason::TrajectoryEnded
             } else {
                 EndReason::Separated
             };
             events.push(Event {
-                time: tracked.now.exit,
-                kind: EventKind::Ended(tracked.now, reason),
+                time: tracked.encounter.exit,
+                kind: EventKind::Ended(tracked.encounter, reason),
             });
             return None;
         }
@@ -457,35 +461,35 @@ fn clock(
 
 /// Returns true if the numbers differ by more than the revision threshold, as far as both are known. A change
 /// beyond the end of the examined time, which moves, is no revision.
-fn differs(now: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
-    let now = &SentNumbers::of(now);
+fn differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
+    let new = &SentNumbers::of(encounter);
     let threshold = &tick.revision_threshold;
     let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
-    let exit = match (now.open, sent.open) {
-        (false, false) => moved(now.exit, sent.exit),
+    let exit = match (new.open, sent.open) {
+        (false, false) => moved(new.exit, sent.exit),
         (true, true) => false,
         // A budget may have hidden an exit that was known.
-        (true, false) => now.exit > sent.exit + threshold.time,
+        (true, false) => new.exit > sent.exit + threshold.time,
         (false, true) => true,
     };
-    let model_error = (now.model_error - sent.model_error).abs() > threshold.separation;
-    moved(now.enter, sent.enter) || exit || model_error || closest_differs(now, sent, tick)
+    let model_error = (new.model_error - sent.model_error).abs() > threshold.separation;
+    moved(new.enter, sent.enter) || exit || model_error || closest_differs(new, sent, tick)
 }
 
-fn closest_differs(now: &SentNumbers, sent: &SentNumbers, tick: &TickContext) -> bool {
+fn closest_differs(new: &SentNumbers, sent: &SentNumbers, tick: &TickContext) -> bool {
     let threshold = &tick.revision_threshold;
-    let is_lower = now.separation < sent.separation - threshold.separation;
+    let is_lower = new.separation < sent.separation - threshold.separation;
     if !sent.knows_closest() {
         // While they close in it is reported once a lookahead at most.
-        let is_later = now.closest_time >= sent.closest_time + tick.lookahead;
-        return now.knows_closest() || is_later && is_lower;
+        let is_later = new.closest_time >= sent.closest_time + tick.lookahead;
+        return new.knows_closest() || is_later && is_lower;
     }
     // The nearest point that was reported lies beyond the examined time, since a budget ran out.
-    let hidden = now.open && sent.closest_time > now.exit;
+    let hidden = new.open && sent.closest_time > new.exit;
     if hidden {
-        return now.knows_closest() && is_lower;
+        return new.knows_closest() && is_lower;
     }
-    !now.knows_closest()
-        || (now.closest_time - sent.closest_time).abs() > threshold.time
-        || (now.separation - sent.separation).abs() > threshold.separation
+    !new.knows_closest()
+        || (new.closest_time - sent.closest_time).abs() > threshold.time
+        || (new.separation - sent.separation).abs() > threshold.separation
 }

@@ -51,7 +51,7 @@ impl Monitor {
                 .take(self.scene.slots())
                 .map(|slot| !self.plan_ends.has(slot))
                 .collect(),
-            settled: self.has_reported_all(),
+            has_reported_all: self.has_reported_all(),
         }
     }
 
@@ -113,7 +113,7 @@ impl Monitor {
         check_setting("history", snapshot.history)?;
         monitor.now = without_negative_zero(now);
         monitor.known = reported;
-        if snapshot.settled {
+        if snapshot.has_reported_all {
             // All of it has been reported.
             monitor.advance_to(now, now + lookahead, &mut Vec::new())?;
         }

@@ -28,5 +28,5 @@ pub struct Snapshot {
     /// By slot: false only if the plan has an end that is still to be reported.
     pub(super) end_reported: Vec<bool>,
     /// True if another tick at the same time would change nothing.
-    pub(super) settled: bool,
+    pub(super) has_reported_all: bool,
 }

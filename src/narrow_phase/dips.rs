@@ -6,7 +6,7 @@
 //! this. So a span is halved towards such places, and each part is solved relative to its own size,
 //! until only rounding is left.
 
-use super::hull::SquaredDistance;
+use super::squared_distance::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;

@@ -1,7 +1,7 @@
 //! The exact solver: closest approach and contacts of one pair.
 //!
 //! The solver works on a body's cubics and spheres, span by span. Within a span it forms the
-//! `relative` cubic, applies the `rejection` tests or the `hull`'s control heights, and finds `stationary`
+//! `relative` cubic, applies the `rejection` tests or control heights of the `squared_distance`, and finds `stationary`
 //! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
 //! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
 //! the pairs of spheres to solve; where a body turns, `turning` does. A `half_space` and a sphere are
@@ -15,7 +15,7 @@ mod clusters;
 mod contact;
 mod dips;
 mod half_space;
-mod hull;
+mod squared_distance;
 pub mod kernels;
 mod rejection;
 mod relative;

@@ -6,7 +6,7 @@
 //! whatever the window.
 
 use super::dips::{DistanceExtrema, may_be_hidden};
-use super::hull::SquaredDistance;
+use super::squared_distance::SquaredDistance;
 use super::relative::RelativeCubic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::conflict::Clip;

@@ -285,11 +285,11 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
         if !is_within(largest.0) {
             return Ok(error(largest.0));
         }
-        let mut spread = GOLDEN;
+        let mut place = GOLDEN;
         let mut covered = self.interval;
         while covered < to - from && is_within(largest.0) {
-            largest = larger(largest, self.deviation(&piece, spread)?);
-            spread = (spread + GOLDEN).fract();
+            largest = larger(largest, self.deviation(&piece, place)?);
+            place = (place + GOLDEN).fract();
             covered += self.interval;
         }
         for share in [largest.1 - BESIDE, largest.1 + BESIDE] {

@@ -223,10 +223,10 @@ fn contradictions_are_refused() {
     let saved = &begin["begin"]["encounters"][0][0];
     let begun = saved["begun"].as_bool().unwrap();
     for (place, value) in [
-        ("/now/level", serde_json::json!(7)),
-        ("/now/id", serde_json::json!(u64::MAX)),
-        ("/now/a", saved["now"]["b"].clone()),
-        ("/now/exit", serde_json::json!(-1e9)),
+        ("/encounter/level", serde_json::json!(7)),
+        ("/encounter/id", serde_json::json!(u64::MAX)),
+        ("/encounter/a", saved["encounter"]["b"].clone()),
+        ("/encounter/exit", serde_json::json!(-1e9)),
         ("/begun", serde_json::json!(!begun)),
     ] {
         let mut broken = begin.clone();

@@ -135,12 +135,12 @@ fn encounters_that_cannot_be_are_refused() {
     let over = "/pending_events/0/kind/Ended/0/";
     let mut places = vec!["/pending_events/0/time".to_owned()];
     for number in ["enter", "exit"] {
-        places.push(format!("/encounters/0/1/now/{number}"));
+        places.push(format!("/encounters/0/1/encounter/{number}"));
         places.push(format!("{over}{number}"));
     }
     places.extend(closest.map(|number| format!("{over}closest/{number}")));
     places.extend(closest.map(|number| format!("/encounters/0/0/passed/{number}")));
-    places.extend(closest.map(|number| format!("/encounters/0/1/now/closest/{number}")));
+    places.extend(closest.map(|number| format!("/encounters/0/1/encounter/closest/{number}")));
     places.extend(sent.map(|number| format!("/encounters/0/1/sent/{number}")));
     for place in &places {
         let restored = Monitor::restore(with_nan(&written, place));
@@ -168,7 +168,7 @@ fn a_clock_that_no_tick_can_have_is_refused() {
     for settled in [false, true] {
         let mut broken = written.clone();
         broken["now"] = 1e30.into();
-        broken["settled"] = settled.into();
+        broken["has_reported_all"] = settled.into();
         let snapshot: Snapshot = serde_json::from_value(broken).unwrap();
         let refused = Monitor::restore(snapshot).unwrap_err();
         assert_eq!(refused, Error::Clock { time: 1e30 });
