@@ -1,5 +1,6 @@
 //! The knots of a motion, including the cuts of its extension.
 
+use crate::count::short;
 use crate::simd::prefetch;
 use crate::trajectory::{Extension, Segment, StraightMotion, Trajectory};
 use glam::DVec3;
@@ -183,10 +184,4 @@ impl<'a> Knots<'a> {
         let first = cubic.saturating_sub(self.before()).min(self.own.len());
         prefetch(&self.own[first..(first + count).min(self.own.len())]);
     }
-}
-
-/// Converts a number of cuts to 32 bits; there are no more cuts than powers of two.
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-fn short(count: usize) -> u32 {
-    count as u32
 }

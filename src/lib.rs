@@ -116,6 +116,7 @@ mod blossom;
 mod bounds;
 mod broad_phase;
 mod conflict;
+mod count;
 mod cover;
 mod enclosure;
 mod error;

@@ -6,6 +6,7 @@ use super::frame::{Frame, Padding};
 use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
+use crate::count::short;
 use crate::trajectory::{StraightMotion, Trajectory};
 use parry3d::bounding_volume::Aabb;
 
@@ -93,12 +94,6 @@ impl<'a> StraightPieces<'a> {
     fn part(&self, number: usize, ends: (f64, f64)) -> StraightPart {
         StraightPart::new(&self.motions[number], ends, &self.placement.anchor)
     }
-}
-
-/// Converts a number of pieces to 32 bits: a longer list does not fit into memory.
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-const fn short(pieces: usize) -> u32 {
-    pieces as u32
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@
 //! this. So a span is halved towards such places, and each part is solved relative to its own size,
 //! until only rounding is left.
 
-use super::squared_distance::SquaredDistance;
 use super::relative::RelativeCubic;
+use super::squared_distance::SquaredDistance;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;

@@ -6,8 +6,8 @@
 //! whatever the window.
 
 use super::dips::{DistanceExtrema, may_be_hidden};
-use super::squared_distance::SquaredDistance;
 use super::relative::RelativeCubic;
+use super::squared_distance::SquaredDistance;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::conflict::Clip;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};

@@ -1,6 +1,7 @@
 //! The walk of one body through a few slices.
 
 use crate::bounds::{BoundingCubic, BoundsBuilder, CubicSource, FatLine, SliceInterval, SubCubic};
+use crate::count::short;
 use crate::knots::Knots;
 use parry3d::bounding_volume::Aabb;
 
@@ -211,11 +212,4 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         }
         number
     }
-}
-
-/// Converts a count of bodies or segments to 32 bits; a longer list does not fit into memory.
-#[inline(always)]
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-pub(crate) fn short(count: usize) -> u32 {
-    count as u32
 }

@@ -1,10 +1,9 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
-use super::body_walk::{
-    Ahead, cubic_at, cubic_before, ends_of, exists, short, slice_intervals_of, walk,
-};
+use super::body_walk::{Ahead, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk};
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
+use crate::count::short;
 use crate::simd::Task;
 use parry3d::bounding_volume::Aabb;
 

@@ -1,12 +1,13 @@
 //! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
 //! memory, just before they are used.
 
-use super::body_walk::{cubic_before, ends_of, short, slice_intervals_of, walk};
+use super::body_walk::{cubic_before, ends_of, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
     BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
 };
 use crate::broad_phase::BodyBox;
+use crate::count::short;
 use crate::parallel;
 use crate::simd::{InstructionSet, Task};
 use parry3d::bounding_volume::Aabb;

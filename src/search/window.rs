@@ -1,6 +1,6 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::body_walk::{MAX_SLICES, short};
+use super::body_walk::MAX_SLICES;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
 use super::{
@@ -9,6 +9,7 @@ use super::{
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter, mean_size};
+use crate::count::short;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;

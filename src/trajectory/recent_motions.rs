@@ -8,6 +8,7 @@ use super::outside::Outside;
 use super::segment::Segment;
 use super::segment_lists::SegmentLists;
 use super::straight::StraightMotion;
+use crate::count::short;
 use crate::rounding::without_negative_zero;
 use crate::window::Window;
 use std::iter::once;
@@ -294,12 +295,6 @@ pub(super) struct Replacement {
     kept: usize,
     /// End of the first piece of the new motion, s.
     end: f64,
-}
-
-/// Converts a number of pieces, of which there are few, to 32 bits.
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-const fn short(pieces: usize) -> u32 {
-    pieces as u32
 }
 
 /// Returns the cut with a number from 1 on of a motion that goes on from a knot (s).

@@ -3,6 +3,7 @@
 use super::region::Region;
 use super::rows::{STEP, SortedRows};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
+use crate::count::short;
 use crate::simd::Task;
 use std::ops::Range;
 
@@ -152,13 +153,4 @@ pub(super) fn mask(lanes: [u8; STEP]) -> u32 {
     };
     let [a, b, c, d, e, f, g, h, rest @ ..] = lanes;
     u32::from(half([a, b, c, d, e, f, g, h])) | u32::from(half(rest)) << 8
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "records are counted in 32 bits"
-)]
-#[inline(always)]
-fn short(record: usize) -> u32 {
-    record as u32
 }

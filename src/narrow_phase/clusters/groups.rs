@@ -1,7 +1,8 @@
 //! Groups of neighbouring spheres: the lower level of a tree of two levels.
 
 use super::chords::PiecewiseLinearBound;
-use super::{ClusterPair, SpherePairBound, short};
+use super::{ClusterPair, SpherePairBound};
+use crate::count::short;
 use crate::hitbox::Sphere;
 use glam::DVec3;
 use std::ops::Range;

@@ -23,12 +23,13 @@ mod sphere_pairs;
 mod tests;
 
 use super::sphere_pair::SpherePair;
+use crate::count::short;
 use chords::PiecewiseLinearBound;
 use envelope::Envelope;
 use groups::SphereGroups;
 use proven_intervals::ProvenIntervals;
+use sphere_pairs::SpherePairBound;
 pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
-use sphere_pairs::{SpherePairBound, short};
 use std::collections::HashMap;
 
 impl ClusterPair<'_> {

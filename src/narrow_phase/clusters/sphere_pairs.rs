@@ -104,9 +104,3 @@ impl<'a> ClusterPair<'a> {
         spheres_beyond(points, (a.radius, b.radius), margin, scale)
     }
 }
-
-/// Converts a sphere's number to 32 bits; more spheres do not fit into memory.
-#[allow(clippy::cast_possible_truncation, reason = "see above")]
-pub(super) const fn short(number: usize) -> u32 {
-    number as u32
-}

@@ -1,0 +1,13 @@
+//! Counts and numbers of bodies, pieces, spheres and the like are stored in 32 bits: longer lists do not fit into
+//! memory.
+
+/// Converts a count, or a number of one of so many, to 32 bits.
+#[inline(always)]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "longer lists do not fit into memory"
+)]
+pub(crate) const fn short(count: usize) -> u32 {
+    debug_assert!(count <= u32::MAX as usize);
+    count as u32
+}
