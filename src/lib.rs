@@ -89,7 +89,7 @@
 //! ([`Certificate`]).
 //!
 //! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the
-//! true way by at most that. The radii are enlarged by the difference, so no contact is lost; with
+//! true way by at most that, times the sphere's distance from the body's position. The radii are enlarged by the difference, so no contact is lost; with
 //! [`Accuracy::Certified`] it is part of the proven error instead.
 //!
 //! # Features

@@ -40,7 +40,8 @@ impl Monitor {
     }
 
     /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick, or at the instant up to
-    /// which its events were reported if a budget ran out before.
+    /// which its events were reported if a budget ran out before. The next tick reports that; until then
+    /// [`conflicts`](Self::conflicts) still has the body.
     ///
     /// # Errors
     ///

@@ -149,10 +149,11 @@ pub enum EventKind {
     /// each tick.
     Predicted(Encounter),
     /// The encounter changed by more than the [revision threshold](crate::RevisionThreshold) since its
-    /// first event or its last `Revised`: its enter or exit, its closest approach, or the model error of its bodies. If it began in the same tick,
-    /// `Began` comes first, with the same numbers: the change is from those before both.
+    /// first event or its last `Revised`: its enter or exit, its closest approach, or the model error of its bodies. If it
+    /// began in the same tick, `Began` comes first, with the same numbers: the change is from those before both.
     Revised(Encounter),
-    /// The encounter will not take place. It had not begun.
+    /// The encounter had not begun, and is no longer predicted: a plan, a body or the pair changed, a body was removed, or
+    /// the monitor was closed.
     Withdrawn(Encounter),
     /// The encounter has begun.
     Began(Encounter),
@@ -199,9 +200,9 @@ impl EventKind {
     fn rank(&self) -> u8 {
         match self {
             Self::Predicted(_) => 0,
-            Self::Revised(_) => 1,
-            Self::Withdrawn(_) => 2,
-            Self::Began(_) => 3,
+            Self::Withdrawn(_) => 1,
+            Self::Began(_) => 2,
+            Self::Revised(_) => 3,
             Self::Ended(..) => 4,
             Self::PlanEnds { .. } => 5,
         }

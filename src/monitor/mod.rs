@@ -62,7 +62,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use told_motions::ToldMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events. No event is
-/// lost as long as ticks keep up with the clock.
+/// lost, however far the clock jumps. With a budget, events may come in later ticks.
 ///
 /// A monitor owns its [`Scene`]. Between ticks plans change; a tick ([`advance`](Self::advance))
 /// moves the clock and reports what happened.
@@ -389,7 +389,8 @@ impl Monitor {
     }
 
     /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b). The list is empty while nothing after now is known.
+    /// last tick, sorted by (enter, a, b). The list is empty while nothing after now is known. A conflict under way comes first: its
+    /// enter is the clock, and it is clipped there. [`encounters`](Self::encounters) has when it began.
     ///
     /// # Errors
     ///
@@ -414,7 +415,7 @@ impl Monitor {
         Ok(self.conflicts(level)?.iter().filter(concerns))
     }
 
-    /// Returns the soonest conflict of one body at a level.
+    /// Returns the soonest conflict of one body at a level, perhaps one that is under way.
     ///
     /// # Errors
     ///

@@ -22,7 +22,8 @@ pub struct Body {
     pub orientation: Orientation,
     /// Masks that select the bodies to screen against; all by default.
     pub layers: Layers,
-    /// Name chosen by the user; 0 by default. Errors name bodies by their tag.
+    /// Number chosen by the user; 0 by default. It need not be unique. Answers and errors give it beside the id; before
+    /// the body is in a scene, errors have the tag alone.
     pub tag: u64,
     #[cfg_attr(
         feature = "serde",

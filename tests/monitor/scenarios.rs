@@ -283,6 +283,28 @@ fn changes_are_measured_from_the_prediction_also_after_the_beginning() {
     assert_eq!(kinds(&tick(&mut monitor, 9.2)), ["revised 0"]);
 }
 
+/// An encounter that begins at the clock's instant, and is revised in the same tick.
+#[test]
+fn what_begins_at_the_clock_begins_before_it_is_revised() {
+    let plan = |speed: f64| {
+        let state =
+            |time: f64, x: f64, speed: f64| State::new(time, x * DVec3::X, speed * DVec3::X);
+        let states = [
+            state(0.0, 0.0, 1.0),
+            state(8.0, 8.0, 1.0),
+            state(20.0, 8.0 + 12.0 * speed, speed),
+        ];
+        Trajectory::from_states(&states).unwrap()
+    };
+    let target = Trajectory::at_rest(10.0 * DVec3::X).unwrap();
+    let (mut monitor, id, _) = two(plan(1.0), target, &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 7.0)), ["predicted 0"]);
+    monitor.set_trajectory(id, plan(0.5)).unwrap();
+    let events = tick(&mut monitor, 8.0);
+    assert_eq!(kinds(&events), ["began 0", "revised 0"]);
+    assert!(events.iter().all(|event| event.time == 8.0));
+}
+
 /// A distance that changes by less than a billionth of a metre: reported by a monitor that reports all.
 #[test]
 fn rounding_is_not_told() {

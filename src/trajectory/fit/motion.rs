@@ -66,7 +66,7 @@ impl Trajectory {
     /// let fit = Trajectory::fit(circle, Window::new(0.0, 60.0)?, 0.01)?;
     /// assert!(fit.error() <= 0.01 && fit.knot_count() < 40);
     ///
-    /// // Answers about this body cover the circle.
+    /// // Answers about this body cover the circle, as far as the estimated error holds.
     /// let body = Body::new(fit.trajectory.clone()).with_model_error(fit.error())?;
     /// # assert_eq!(body.model_error(), fit.error());
     /// # Ok::<(), nearmiss::Error>(())
