@@ -99,20 +99,16 @@ impl EncounterCache {
                 pairs.push((gone, listed.len()));
             }
             let is_touched = touched.next_if_eq(&slots).is_some();
-            let side = |entry: &IndexEntry<SlotPair>| edges.side_of(entry.interval);
-            let is_at_edge = entries
-                .iter()
-                .any(|entry| side(entry) == WindowSide::AtEdge);
-            let is_as_before = |before: WindowEdges| {
-                let is_same =
-                    |entry: &IndexEntry<SlotPair>| side(entry) == before.side_of(entry.interval);
-                entries.iter().all(is_same)
+            let may_differ = |entry: &IndexEntry<SlotPair>| {
+                let side = edges.side_of(entry.interval);
+                let was = before.map(|before| before.side_of(entry.interval));
+                side == WindowSide::AtEdge || was != Some(side)
             };
-            if !(is_at_edge || is_touched) && before.is_some_and(is_as_before) {
+            if !is_touched && !entries.iter().any(may_differ) {
                 continue;
             }
             for entry in entries {
-                match side(entry) {
+                match edges.side_of(entry.interval) {
                     WindowSide::Within => listed.push(*all.at(entry.place)),
                     WindowSide::Beyond => {}
                     WindowSide::AtEdge => listed.extend(clipped(slots, all.at(entry.place))),
