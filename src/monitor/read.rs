@@ -132,14 +132,14 @@ impl ReadContext<'_> {
         whole: &Conflict,
         window: (f64, f64),
     ) -> Option<Conflict> {
-        let mut part = *whole;
-        part.clip.at_enter |= whole.enter <= window.0;
-        part.clip.at_exit |= whole.exit >= window.1;
-        (part.enter, part.exit) = (whole.enter.max(window.0), whole.exit.min(window.1));
-        let lasts = part.enter..=part.exit;
+        let lasts = whole.enter.max(window.0)..=whole.exit.min(window.1);
         if lasts.is_empty() {
             return None;
         }
+        let mut part = *whole;
+        part.clip.at_enter |= whole.enter <= window.0;
+        part.clip.at_exit |= whole.exit >= window.1;
+        (part.enter, part.exit) = (*lasts.start(), *lasts.end());
         if !lasts.contains(&whole.closest.time) {
             let interval = (part.enter, part.exit);
             let approach = self.search.solved.closest(slots, interval, part.clip)?;
