@@ -142,6 +142,10 @@ pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 /// most 170. 512 covers their sum, so no test rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
+/// Clearance of heights above a plane, relative to the coordinates: far more than all rounding, and the error of the
+/// normal's length, which is 1 within 1e-9.
+pub(crate) const PLANE_CLEARANCE: f64 = 4e-9;
+
 /// Returns the time with -0 replaced by 0: reports are ordered by the bits of times, and of two
 /// zeros either may come out as the later one.
 #[inline]

@@ -14,7 +14,7 @@ use super::relative::{
 };
 use super::sphere_pair::SpherePair;
 use super::{BodyView, widened};
-use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, normalising_power};
+use crate::rounding::{PLANE_CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, normalising_power};
 use crate::spans::Span;
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -129,8 +129,6 @@ impl<'a> PlanePair<'a> {
     /// Returns true if the body is so far above the plane over a part of the span that rounding does not
     /// matter.
     fn is_far_above(&self, margin: f64, part: Span) -> bool {
-        /// Bound far above all rounding and the error of the normal's length, relative to the coordinates.
-        const CLEARANCE: f64 = 4e-9;
         let [body, plane] = &self.segments();
         let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);
         let (Some(body), Some(plane)) = (range(body), range(plane)) else {
@@ -140,7 +138,7 @@ impl<'a> PlanePair<'a> {
         let reach = bounding.radius + bounding.offset.abs().element_sum();
         let size = body.size + plane.size + reach + margin.abs();
         let least = body.low + bounding.offset.dot(self.normal) - bounding.radius - plane.high;
-        least > margin + CLEARANCE * size
+        least > margin + PLANE_CLEARANCE * size
     }
 
     /// Returns the magnitude to which all rounding over a part of the span is relative, m.

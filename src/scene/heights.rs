@@ -1,6 +1,7 @@
 //! Heights of bodies above half-spaces, for a first comparison without cubics.
 
 use super::SceneEntry;
+use crate::rounding::PLANE_CLEARANCE;
 use glam::DVec3;
 
 /// The lowest and the highest coordinate of a motion along a normal, m.
@@ -72,10 +73,7 @@ impl HeightRange {
     /// `margin` (m) above a half-space with those.
     #[inline]
     pub(crate) fn is_above(&self, ground: &Self, reach: f64, margin: f64) -> bool {
-        /// Far more than the rounding of boxes, relative to their coordinates. The normal's length is 1
-        /// within 1e-9, and the heights are within their sizes.
-        const CLEARANCE: f64 = 4e-9;
         let size = self.size + ground.size + reach + margin.abs();
-        self.low - ground.high > reach + margin + CLEARANCE * size
+        self.low - ground.high > reach + margin + PLANE_CLEARANCE * size
     }
 }

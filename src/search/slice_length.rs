@@ -156,9 +156,9 @@ impl SliceTrials<'_> {
         statistics: &SceneStatistics,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
-        /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_BOXES`.
+        /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_IN_ALL`.
         const FEW: usize = 64;
-        const FEW_BOXES: f64 = 4096.0;
+        const FEW_IN_ALL: f64 = 4096.0;
         /// Each trial changes the length at most fourfold, or by `SHORTER` in a crowd.
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
@@ -173,7 +173,7 @@ impl SliceTrials<'_> {
         let spans = statistics.spans(window);
         let boxes = present * f64::from(slices.count());
         let most_near = 0.5 * present * boxes;
-        if sample.len() < FEW && boxes <= FEW_BOXES && most_near <= spans {
+        if sample.len() < FEW && boxes <= FEW_IN_ALL && most_near <= spans {
             return slices;
         }
         let sampled = sources(&sample);
