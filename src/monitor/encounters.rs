@@ -12,11 +12,20 @@ use crate::conflict::{ClosestApproach, Conflict};
 use crate::scene::Scene;
 use std::cmp::Ordering;
 
+/// A conflict of a pair, from its solved spans.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SolvedConflict {
+    pub(super) conflict: Conflict,
+    /// Separations that differ by no more than this (m) are the same: the rounding of distances that are constant over
+    /// a span. 0 if there are none.
+    pub(super) plateau: f64,
+}
+
 /// An encounter as the plans have it now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlannedEncounter {
     /// The conflict at the release margin. It is clipped at its exit if that is the end of a body's trajectory.
-    pub(super) conflict: Conflict,
+    pub(super) solved: SolvedConflict,
     /// First instant within the margin, s; none if only the release margin is kept.
     pub(super) enter: Option<f64>,
     /// True if the exit is the end of the known time.
@@ -295,20 +304,21 @@ impl EncounterTracker {
 
 /// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
 fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
-    let order = (old.encounter.a, old.encounter.b).cmp(&(new.conflict.a, new.conflict.b));
+    let order =
+        (old.encounter.a, old.encounter.b).cmp(&(new.solved.conflict.a, new.solved.conflict.b));
     if order.is_ne() {
         return order;
     }
     let old_is_over = if old.begun {
         // It was under way when the last tick reported: so it is still, or plans have changed.
-        new.conflict.enter > tick.before
+        new.solved.conflict.enter > tick.before
     } else {
         // An open encounter has no known exit: it may last until the new one.
-        !old.encounter.open && old.encounter.exit < new.enter.unwrap_or(new.conflict.enter)
+        !old.encounter.open && old.encounter.exit < new.enter.unwrap_or(new.solved.conflict.enter)
     };
     if old_is_over {
         Ordering::Less
-    } else if new.conflict.exit < old.encounter.enter {
+    } else if new.solved.conflict.exit < old.encounter.enter {
         Ordering::Greater
     } else {
         Ordering::Equal
@@ -364,22 +374,22 @@ fn appear(
     let enter = new.enter?;
     let encounter = Encounter {
         id: EncounterId(*next_id),
-        a: new.conflict.a,
-        b: new.conflict.b,
-        tag_a: new.conflict.tag_a,
-        tag_b: new.conflict.tag_b,
+        a: new.solved.conflict.a,
+        b: new.solved.conflict.b,
+        tag_a: new.solved.conflict.tag_a,
+        tag_b: new.solved.conflict.tag_b,
         level,
         enter,
-        exit: new.conflict.exit,
+        exit: new.solved.conflict.exit,
         open: new.open,
-        closest: new.conflict.closest,
+        closest: new.solved.conflict.closest,
     };
     *next_id += 1;
     let tracked = TrackedEncounter {
         encounter,
         sent: SentNumbers::of(&encounter),
         begun: false,
-        with_trajectory: new.conflict.clip.at_exit,
+        with_trajectory: new.solved.conflict.clip.at_exit,
         passed: None,
     };
     if enter > tick.reported {
@@ -403,14 +413,14 @@ fn go_on(
         return unmatched(old, tick, events);
     };
     let mut tracked = *old;
-    tracked.with_trajectory = new.conflict.clip.at_exit;
-    tracked.encounter.exit = new.conflict.exit;
+    tracked.with_trajectory = new.solved.conflict.clip.at_exit;
+    tracked.encounter.exit = new.solved.conflict.exit;
     tracked.encounter.open = new.open;
     if old.begun {
-        tracked.encounter.closest = lower(old.passed, new.conflict.closest);
+        tracked.encounter.closest = lower(old.passed, new.solved.conflict.closest);
     } else {
         tracked.encounter.enter = enter;
-        tracked.encounter.closest = new.conflict.closest;
+        tracked.encounter.closest = new.solved.conflict.closest;
     }
     let revised = differs(&tracked.encounter, &tracked.sent, tick);
     // What ends in this very tick is reported with its last numbers, not revised first.

@@ -6,12 +6,12 @@
 //! clock, touches is clipped to it in each tick.
 
 use super::alert_level::AlertLevel;
-use super::encounters::{PlannedEncounter, TickContext};
+use super::encounters::{PlannedEncounter, SolvedConflict, TickContext};
 use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
 use super::solved_spans::SlotPair;
-use crate::conflict::Conflict;
-use crate::narrow_phase::{BodyView, Contact};
+use crate::conflict::{Clip, ClosestApproach, Conflict};
+use crate::narrow_phase::{Approach, BodyView, Contact};
 use crate::scene::Scene;
 use crate::screen::{conflict, describe};
 
@@ -22,7 +22,8 @@ pub(super) struct LevelCaches {
     pub(super) planned: Vec<EncounterCache>,
     /// Pairs whose solved spans have changed: to be read.
     pub(super) changed_pairs: Vec<SlotPair>,
-    pub(super) scratch: ReadScratch,
+    /// Memory of two threads.
+    pub(super) scratch: [ReadScratch; 2],
 }
 
 /// Memory that reading reuses.
@@ -60,7 +61,7 @@ impl LevelCaches {
     /// Reads the [changed pairs](Self::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
     /// before an instant (s) are dropped.
     pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
-        let (changed, scratch) = (&self.changed_pairs, &mut self.scratch);
+        let (changed, [scratch, _]) = (&self.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
         for ((conflicts, encounters), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);
@@ -87,13 +88,15 @@ impl ReadContext<'_> {
         let Some(domain) = self.search.domain(self.scene, slots) else {
             return;
         };
+        let plateau = self.search.solved.plateau(slots);
+        let solved = |conflict| SolvedConflict { conflict, plateau };
         let ReadScratch { contacts, released } = scratch;
         self.contacts(slots, alert.margin, domain, contacts);
         for conflict in contacts
             .iter()
             .filter_map(|one| self.report(slots, domain, one))
         {
-            conflicts.add(slots, conflict);
+            conflicts.add(slots, solved(conflict));
         }
         if alert.has_release() {
             self.contacts(slots, alert.release, domain, released);
@@ -116,7 +119,7 @@ impl ReadContext<'_> {
                 conflict.exit = conflict.exit.max(last.exit);
             }
             let planned = PlannedEncounter {
-                conflict,
+                solved: solved(conflict),
                 enter: first.map(|contact| contact.enter),
                 open: false,
                 passed: None,
@@ -125,28 +128,44 @@ impl ReadContext<'_> {
         }
     }
 
-    /// Returns the part of a pair's conflict that lies in a window (s).
+    /// Returns the part of a pair's conflict at a margin (m) that lies in a window (s): what solving it in that
+    /// window would give.
     pub(super) fn clipped(
         &self,
         slots: SlotPair,
-        whole: &Conflict,
-        window: (f64, f64),
+        whole: &SolvedConflict,
+        (margin, window): (f64, (f64, f64)),
+        contacts: &mut Vec<Contact>,
     ) -> Option<Conflict> {
-        let lasts = whole.enter.max(window.0)..=whole.exit.min(window.1);
-        if lasts.is_empty() {
+        let SolvedConflict {
+            conflict: whole,
+            plateau,
+        } = whole;
+        let interval = (whole.enter.max(window.0), whole.exit.min(window.1));
+        if interval.0 > interval.1 {
             return None;
         }
-        let mut part = *whole;
-        part.clip.at_enter |= whole.enter <= window.0;
-        part.clip.at_exit |= whole.exit >= window.1;
-        (part.enter, part.exit) = (*lasts.start(), *lasts.end());
-        if !lasts.contains(&whole.closest.time) {
-            let interval = (part.enter, part.exit);
-            let approach = self.search.solved.closest(slots, interval, part.clip)?;
-            let [a, b] = self.views(slots)?;
-            part.closest = describe(&approach, &a, &b);
-        }
-        Some(part)
+        let clip = Clip {
+            at_enter: whole.clip.at_enter || whole.enter <= window.0,
+            at_exit: whole.clip.at_exit || whole.exit >= window.1,
+        };
+        let closest = if *plateau > 0.0 {
+            // Which of nearly equal distances is reported depends on all of them.
+            self.contacts(slots, margin, interval, contacts);
+            self.describe(slots, &contacts.first()?.closest)?
+        } else if window.0 < whole.closest.time && whole.closest.time < window.1 {
+            whole.closest
+        } else {
+            let approach = self.search.solved.closest(slots, interval, clip)?;
+            self.describe(slots, &approach)?
+        };
+        Some(Conflict {
+            enter: interval.0,
+            exit: interval.1,
+            closest,
+            clip,
+            ..*whole
+        })
     }
 
     /// Returns a planned encounter of a pair as a tick sees it.
@@ -158,11 +177,19 @@ impl ReadContext<'_> {
         tick: &TickContext,
         contacts: &mut Vec<Contact>,
     ) -> Option<PlannedEncounter> {
-        let clipped = |to| self.clipped(slots, &whole.conflict, (tick.before, to));
+        let PlannedEncounter {
+            solved,
+            enter: entered,
+            ..
+        } = whole;
+        let mut clipped = |to| {
+            let window = (tick.before, to);
+            self.clipped(slots, solved, (alert.release, window), contacts)
+        };
         let mut conflict = clipped(tick.known)?;
-        let ends = whole.conflict.clip.at_exit;
-        conflict.clip.at_exit = ends && whole.conflict.exit <= tick.known;
-        let enter = match whole.enter {
+        let passed = clipped(tick.reported).map(|passed| passed.closest);
+        conflict.clip.at_exit = solved.conflict.clip.at_exit && solved.conflict.exit <= tick.known;
+        let enter = match *entered {
             Some(enter) if enter <= tick.before => {
                 if alert.has_release() {
                     // That one may be over, and another one ahead.
@@ -178,9 +205,18 @@ impl ReadContext<'_> {
         Some(PlannedEncounter {
             enter,
             open: conflict.exit >= tick.known && !conflict.clip.at_exit,
-            passed: clipped(tick.reported).map(|passed| passed.closest),
-            conflict,
+            passed,
+            solved: SolvedConflict {
+                conflict,
+                plateau: solved.plateau,
+            },
         })
+    }
+
+    /// Returns the reported form of a closest approach of a pair.
+    fn describe(&self, slots: SlotPair, approach: &Approach) -> Option<ClosestApproach> {
+        let [a, b] = self.views(slots)?;
+        Some(describe(approach, &a, &b))
     }
 
     /// Finds all contacts of a pair within `margin` and the bodies' model errors in `clip`; replaces

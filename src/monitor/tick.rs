@@ -288,16 +288,19 @@ impl Monitor {
         let LevelCaches {
             conflicts,
             planned,
-            scratch,
+            scratch: [scratch, other_scratch],
             ..
         } = &mut self.readings;
         let (levels, lists) = (&self.levels, &mut self.conflicts);
         let read_conflicts = || {
-            for (conflicts, list) in conflicts.iter().zip(lists) {
+            for ((conflicts, list), alert) in conflicts.iter().zip(lists).zip(levels) {
                 list.clear();
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
-                    let clipped = |pair, whole: &_| context.clipped(pair, whole, window);
+                    let clipped = |pair, whole: &_| {
+                        let contacts = &mut scratch.contacts;
+                        context.clipped(pair, whole, (alert.margin, window), contacts)
+                    };
                     conflicts.list(window, clipped, list);
                 }
             }
@@ -316,7 +319,7 @@ impl Monitor {
                         tracker.wait_for_all();
                     }
                     planned.list(edges, tracker.waiting(), |pair, whole| {
-                        context.planned(pair, whole, alert, tick, &mut scratch.contacts)
+                        context.planned(pair, whole, alert, tick, &mut other_scratch.contacts)
                     });
                     tracker.update(planned.listed(), tick, next_id, events);
                 }

@@ -22,6 +22,11 @@ pub(crate) struct SolvedSpan {
 }
 
 impl SolvedSpan {
+    /// Returns the rounding of a distance that is constant over the span, m; else 0.
+    pub(crate) const fn plateau(&self) -> f64 {
+        self.profile.plateau()
+    }
+
     /// Returns the closest approach of the two spheres in a part of a contact (s) that overlaps the span; `clip` says
     /// which ends of the part are not those of the contact.
     pub(crate) fn closest(&self, (from, to): (f64, f64), clip: Clip) -> Approach {

@@ -48,9 +48,15 @@ impl Approach {
         }
     }
 
-    /// Returns the lower of two approaches; of ties, the earlier one.
+    /// Returns the lower of two approaches; of ties, the earlier one, and at one time the one of the first spheres and the
+    /// earlier span. Without plateaus the least of several does not depend on their order.
     pub(crate) fn or_lower(self, other: Self) -> Self {
-        let (first, second) = if other.time < self.time {
+        let order = self.time.total_cmp(&other.time).then_with(|| {
+            let spheres = |one: &Self| (one.sphere_a, one.sphere_b);
+            let starts = self.span.start.total_cmp(&other.span.start);
+            spheres(&self).cmp(&spheres(&other)).then(starts)
+        });
+        let (first, second) = if order.is_gt() {
             (other, self)
         } else {
             (self, other)

@@ -154,6 +154,11 @@ impl DistanceProfile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
+    /// Returns the rounding of a constant distance, as [`ProfilePoint::plateau`].
+    pub(super) const fn plateau(&self) -> f64 {
+        self.plateau
+    }
+
     fn nodes(&self) -> &[ProfileNode] {
         &self.nodes[..self.count]
     }
@@ -180,8 +185,9 @@ impl DistanceProfile {
     /// crossings of the threshold: the distance there exceeds that of a node inside, whatever
     /// rounding says.
     ///
-    /// An instant that is the result of a stretch is also that of each clipped part that contains it: at a clipped end
-    /// the distance is not below that of the node from which it rises there, whatever rounding says.
+    /// An instant that is the result of a stretch is also that of each clipped part that contains it, unless the distance
+    /// is constant: at a clipped end the distance is not below that of the node from which it rises there, whatever rounding
+    /// says.
     pub(super) fn closest_in(
         &self,
         cubic: &RelativeCubic,

@@ -2,6 +2,7 @@
 
 use super::{WindowEdges, WindowSide};
 use crate::conflict::Conflict;
+use crate::monitor::encounters::SolvedConflict;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::SortedSlab;
 use crate::rounding::total_order;
@@ -10,7 +11,7 @@ use crate::rounding::total_order;
 #[derive(Debug, Default)]
 pub(in crate::monitor) struct ConflictCache {
     /// Sorted by the time at which a conflict begins, and by pair: the order of reports.
-    all: SortedSlab<(i64, SlotPair), Conflict>,
+    all: SortedSlab<(i64, SlotPair), SolvedConflict>,
 }
 
 impl ConflictCache {
@@ -22,10 +23,11 @@ impl ConflictCache {
     }
 
     /// Adds a conflict of a pair that has none, or only earlier ones.
-    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, conflict: Conflict) {
+    pub(in crate::monitor) fn add(&mut self, slots: SlotPair, solved: SolvedConflict) {
+        let conflict = &solved.conflict;
         let interval = (conflict.enter, conflict.exit);
         let key = (total_order(conflict.enter), slots);
-        self.all.add(key, interval, conflict);
+        self.all.add(key, interval, solved);
     }
 
     /// Sorts the added conflicts in.
@@ -38,7 +40,7 @@ impl ConflictCache {
     pub(in crate::monitor) fn list(
         &self,
         window: (f64, f64),
-        clipped: impl Fn(SlotPair, &Conflict) -> Option<Conflict>,
+        mut clipped: impl FnMut(SlotPair, &SolvedConflict) -> Option<Conflict>,
         listed: &mut Vec<Conflict>,
     ) {
         listed.clear();
@@ -49,7 +51,7 @@ impl ConflictCache {
         let mut begun = 0;
         for entry in self.all.entries() {
             match edges.side_of(entry.interval) {
-                WindowSide::Within => listed.push(*self.all.at(entry.place)),
+                WindowSide::Within => listed.push(self.all.at(entry.place).conflict),
                 WindowSide::Beyond => {}
                 WindowSide::AtEdge => {
                     listed.extend(clipped(entry.key.1, self.all.at(entry.place)));

@@ -39,7 +39,8 @@ impl EncounterCache {
     /// Adds the planned encounters of a pair; pairs come in order.
     pub(in crate::monitor) fn add(&mut self, slots: SlotPair, planned: PlannedEncounter) {
         self.touched.push(slots);
-        let interval = (planned.conflict.enter, planned.conflict.exit);
+        let conflict = &planned.solved.conflict;
+        let interval = (conflict.enter, conflict.exit);
         self.all.add(slots, interval, planned);
     }
 

@@ -40,7 +40,7 @@ mod tests {
     use super::{ConflictCache, EncounterCache, WindowEdges};
     use crate::conflict::{Clip, ClosestApproach, Conflict};
     use crate::id::BodyId;
-    use crate::monitor::encounters::PlannedEncounter;
+    use crate::monitor::encounters::{PlannedEncounter, SolvedConflict};
     use glam::DVec3;
 
     const CLOSEST: ClosestApproach = ClosestApproach {
@@ -80,9 +80,16 @@ mod tests {
         }
     }
 
+    fn solved(slots: (u32, u32), interval: (f64, f64)) -> SolvedConflict {
+        SolvedConflict {
+            conflict: conflict(slots, interval),
+            plateau: 0.0,
+        }
+    }
+
     fn planned(slots: (u32, u32), (start, exit): (f64, f64)) -> PlannedEncounter {
         PlannedEncounter {
-            conflict: conflict(slots, (start, exit)),
+            solved: solved(slots, (start, exit)),
             enter: Some(start),
             open: false,
             passed: None,
@@ -95,7 +102,7 @@ mod tests {
         let (mut conflicts, mut cache) = (ConflictCache::default(), EncounterCache::default());
         for number in 0..10 {
             let (slots, start) = ((0, number + 1), f64::from(number));
-            conflicts.add(slots, conflict(slots, (start, start + 0.5)));
+            conflicts.add(slots, solved(slots, (start, start + 0.5)));
             cache.add(slots, planned(slots, (start, start + 0.5)));
         }
         conflicts.merge_added();
@@ -115,7 +122,7 @@ mod tests {
         cache.list(edges, &[], |_, _| None);
         let found = cache.listed().filter_map(|(slots, mut planned)| {
             planned.next().map(|planned| {
-                assert_eq!(planned.conflict.b.slot, slots.1);
+                assert_eq!(planned.solved.conflict.b.slot, slots.1);
                 slots
             })
         });
