@@ -16,9 +16,19 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolvedConflict {
     pub(super) conflict: Conflict,
-    /// Separations that differ by no more than this (m) are the same: the rounding of distances that are constant over
-    /// a span. 0 if there are none.
+    /// Rounding of the closest approach's separation if the distance is constant there, m; else 0.
     pub(super) plateau: f64,
+    /// True if the distance is constant over one of the pair's spans.
+    pub(super) has_plateau: bool,
+}
+
+impl SolvedConflict {
+    pub(super) const fn closest(&self) -> SolvedApproach {
+        SolvedApproach {
+            approach: self.conflict.closest,
+            plateau: self.plateau,
+        }
+    }
 }
 
 /// An encounter as the plans have it now.
@@ -31,7 +41,7 @@ pub(super) struct PlannedEncounter {
     /// True if the exit is the end of the known time.
     pub(super) open: bool,
     /// Closest approach up to the clock, if the conflict has begun by then.
-    pub(super) passed: Option<ClosestApproach>,
+    pub(super) passed: Option<SolvedApproach>,
 }
 
 /// An encounter that has begun and not ended, or lies ahead.
@@ -44,7 +54,36 @@ pub(super) struct TrackedEncounter {
     begun: bool,
     with_trajectory: bool,
     /// Closest approach so far, once it has begun.
-    passed: Option<ClosestApproach>,
+    passed: Option<SolvedApproach>,
+}
+
+/// A closest approach of a pair, from its solved spans.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct SolvedApproach {
+    approach: ClosestApproach,
+    /// Rounding of the separation if the distance is constant there, m; else 0.
+    plateau: f64,
+}
+
+impl SolvedApproach {
+    /// Returns the approach, or one that has passed if that is no farther. A constant distance that is lower by rounding is
+    /// not lower.
+    fn or_passed(self, passed: Option<Self>) -> Self {
+        let is_no_farther = |passed: &Self| {
+            let tie = passed.plateau.min(self.plateau);
+            passed.approach.separation <= self.approach.separation + tie
+        };
+        passed.filter(is_no_farther).map_or(self, |mut passed| {
+            // The model errors are those of the bodies as they are now.
+            passed.approach.model_error = self.approach.model_error;
+            passed
+        })
+    }
+
+    fn is_finite(&self) -> bool {
+        self.approach.is_finite() && self.plateau.is_finite()
+    }
 }
 
 /// The numbers of an encounter that its first event or its last revision gave: the next revision is measured from
@@ -157,18 +196,6 @@ pub(super) struct TickContext {
     pub(super) known: f64,
     pub(super) lookahead: f64,
     pub(super) revision_threshold: RevisionThreshold,
-}
-
-/// Returns the lower one of a closest approach that has passed, if there is one, and a newer one.
-fn lower(x: Option<ClosestApproach>, y: ClosestApproach) -> ClosestApproach {
-    match x {
-        // The model errors are those of the bodies as they are now.
-        Some(x) if x.separation <= y.separation => ClosestApproach {
-            model_error: y.model_error,
-            ..x
-        },
-        _ => y,
-    }
 }
 
 impl EncounterTracker {
@@ -327,7 +354,8 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -
 
 fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
     if tracked.begun {
-        let closest = tracked.passed.unwrap_or(tracked.encounter.closest);
+        let passed = tracked.passed.map(|passed| passed.approach);
+        let closest = passed.unwrap_or(tracked.encounter.closest);
         let encounter = Encounter {
             exit: now,
             open: false,
@@ -417,7 +445,7 @@ fn go_on(
     tracked.encounter.exit = new.solved.conflict.exit;
     tracked.encounter.open = new.open;
     if old.begun {
-        tracked.encounter.closest = lower(old.passed, new.solved.conflict.closest);
+        tracked.encounter.closest = new.solved.closest().or_passed(old.passed).approach;
     } else {
         tracked.encounter.enter = enter;
         tracked.encounter.closest = new.solved.conflict.closest;
@@ -451,7 +479,7 @@ fn clock(
     }
     if tracked.begun {
         if let Some(passed) = new.passed {
-            tracked.passed = Some(lower(tracked.passed, passed));
+            tracked.passed = Some(passed.or_passed(tracked.passed));
         }
         if !tracked.encounter.open && tracked.encounter.exit < tick.reported {
             let reason = if tracked.with_trajectory {

@@ -10,8 +10,8 @@ use super::encounters::{PlannedEncounter, SolvedConflict, TickContext};
 use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
 use super::solved_spans::SlotPair;
-use crate::conflict::{Clip, ClosestApproach, Conflict};
-use crate::narrow_phase::{Approach, BodyView, Contact};
+use crate::conflict::{Clip, Conflict};
+use crate::narrow_phase::{BodyView, Contact};
 use crate::scene::Scene;
 use crate::screen::{conflict, describe};
 
@@ -88,15 +88,18 @@ impl ReadContext<'_> {
         let Some(domain) = self.search.domain(self.scene, slots) else {
             return;
         };
-        let plateau = self.search.solved.plateau(slots);
-        let solved = |conflict| SolvedConflict { conflict, plateau };
+        let has_plateau = self.search.solved.has_plateau(slots);
+        let solved = |contact: &Contact| {
+            Some(SolvedConflict {
+                conflict: self.report(slots, domain, contact)?,
+                plateau: contact.closest.plateau,
+                has_plateau,
+            })
+        };
         let ReadScratch { contacts, released } = scratch;
         self.contacts(slots, alert.margin, domain, contacts);
-        for conflict in contacts
-            .iter()
-            .filter_map(|one| self.report(slots, domain, one))
-        {
-            conflicts.add(slots, solved(conflict));
+        for conflict in contacts.iter().filter_map(solved) {
+            conflicts.add(slots, conflict);
         }
         if alert.has_release() {
             self.contacts(slots, alert.release, domain, released);
@@ -111,15 +114,16 @@ impl ReadContext<'_> {
                 .filter(|contact| contact.enter <= outer.exit && contact.exit >= outer.enter);
             let first = within.next();
             let last = within.next_back().or(first);
-            let Some(mut conflict) = self.report(slots, domain, outer) else {
+            let Some(mut solved) = solved(outer) else {
                 continue;
             };
             if let (Some(first), Some(last)) = (first, last) {
+                let conflict = &mut solved.conflict;
                 conflict.enter = conflict.enter.min(first.enter);
                 conflict.exit = conflict.exit.max(last.exit);
             }
             let planned = PlannedEncounter {
-                solved: solved(conflict),
+                solved,
                 enter: first.map(|contact| contact.enter),
                 open: false,
                 passed: None,
@@ -136,34 +140,43 @@ impl ReadContext<'_> {
         whole: &SolvedConflict,
         (margin, window): (f64, (f64, f64)),
         contacts: &mut Vec<Contact>,
-    ) -> Option<Conflict> {
+    ) -> Option<SolvedConflict> {
         let SolvedConflict {
-            conflict: whole,
-            plateau,
+            conflict,
+            has_plateau,
+            ..
         } = whole;
-        let interval = (whole.enter.max(window.0), whole.exit.min(window.1));
+        let interval = (conflict.enter.max(window.0), conflict.exit.min(window.1));
         if interval.0 > interval.1 {
             return None;
         }
         let clip = Clip {
-            at_enter: whole.clip.at_enter || whole.enter <= window.0,
-            at_exit: whole.clip.at_exit || whole.exit >= window.1,
+            at_enter: conflict.clip.at_enter || conflict.enter <= window.0,
+            at_exit: conflict.clip.at_exit || conflict.exit >= window.1,
         };
-        let closest = if *plateau > 0.0 {
-            // Which of nearly equal distances is reported depends on all of them.
-            self.contacts(slots, margin, interval, contacts);
-            self.describe(slots, &contacts.first()?.closest)?
-        } else if window.0 < whole.closest.time && whole.closest.time < window.1 {
-            whole.closest
+        let time = conflict.closest.time;
+        let (closest, plateau) = if !has_plateau && window.0 < time && time < window.1 {
+            (conflict.closest, whole.plateau)
         } else {
-            let approach = self.search.solved.closest(slots, interval, clip)?;
-            self.describe(slots, &approach)?
+            let approach = if *has_plateau {
+                // Which of nearly equal distances is reported depends on all of them.
+                self.contacts(slots, margin, interval, contacts);
+                contacts.first()?.closest
+            } else {
+                self.search.solved.closest(slots, interval, clip)?
+            };
+            let [a, b] = self.views(slots)?;
+            (describe(&approach, &a, &b), approach.plateau)
         };
-        Some(Conflict {
-            enter: interval.0,
-            exit: interval.1,
-            closest,
-            clip,
+        Some(SolvedConflict {
+            conflict: Conflict {
+                enter: interval.0,
+                exit: interval.1,
+                closest,
+                clip,
+                ..*conflict
+            },
+            plateau,
             ..*whole
         })
     }
@@ -177,19 +190,15 @@ impl ReadContext<'_> {
         tick: &TickContext,
         contacts: &mut Vec<Contact>,
     ) -> Option<PlannedEncounter> {
-        let PlannedEncounter {
-            solved,
-            enter: entered,
-            ..
-        } = whole;
         let mut clipped = |to| {
             let window = (tick.before, to);
-            self.clipped(slots, solved, (alert.release, window), contacts)
+            self.clipped(slots, &whole.solved, (alert.release, window), contacts)
         };
-        let mut conflict = clipped(tick.known)?;
-        let passed = clipped(tick.reported).map(|passed| passed.closest);
-        conflict.clip.at_exit = solved.conflict.clip.at_exit && solved.conflict.exit <= tick.known;
-        let enter = match *entered {
+        let mut solved = clipped(tick.known)?;
+        let passed = clipped(tick.reported).map(|passed| passed.closest());
+        let (conflict, whole_conflict) = (&mut solved.conflict, &whole.solved.conflict);
+        conflict.clip.at_exit = whole_conflict.clip.at_exit && whole_conflict.exit <= tick.known;
+        let enter = match whole.enter {
             Some(enter) if enter <= tick.before => {
                 if alert.has_release() {
                     // That one may be over, and another one ahead.
@@ -206,17 +215,8 @@ impl ReadContext<'_> {
             enter,
             open: conflict.exit >= tick.known && !conflict.clip.at_exit,
             passed,
-            solved: SolvedConflict {
-                conflict,
-                plateau: solved.plateau,
-            },
+            solved,
         })
-    }
-
-    /// Returns the reported form of a closest approach of a pair.
-    fn describe(&self, slots: SlotPair, approach: &Approach) -> Option<ClosestApproach> {
-        let [a, b] = self.views(slots)?;
-        Some(describe(approach, &a, &b))
     }
 
     /// Finds all contacts of a pair within `margin` and the bodies' model errors in `clip`; replaces

@@ -136,13 +136,13 @@ impl SolvedSpans {
         contacts_of(solved, margin, clip, found);
     }
 
-    /// Returns the largest rounding of a distance of a pair that is constant over a span, m; 0 if none is.
-    pub(super) fn plateau(&self, pair: SlotPair) -> f64 {
-        let solved = self.of(pair).map(|find| self.spans.at(find.place));
-        solved.map(SolvedSpan::plateau).fold(0.0, f64::max)
+    /// Returns true if the distance of two spheres of a pair is constant over one of its spans.
+    pub(super) fn has_plateau(&self, pair: SlotPair) -> bool {
+        let mut solved = self.of(pair).map(|find| self.spans.at(find.place));
+        solved.any(SolvedSpan::is_plateau)
     }
 
-    /// Returns the closest approach of a pair without [plateaus](Self::plateau) in a part of a contact (s); `clip` says
+    /// Returns the closest approach of a pair without [plateaus](Self::has_plateau) in a part of a contact (s); `clip` says
     /// which ends of the part are not those of the contact.
     pub(super) fn closest(&self, pair: SlotPair, part: (f64, f64), clip: Clip) -> Option<Approach> {
         let overlaps =

@@ -299,7 +299,8 @@ impl Monitor {
                     let window = (tick.now, tick.known);
                     let clipped = |pair, whole: &_| {
                         let contacts = &mut scratch.contacts;
-                        context.clipped(pair, whole, (alert.margin, window), contacts)
+                        let solved = context.clipped(pair, whole, (alert.margin, window), contacts);
+                        solved.map(|solved| solved.conflict)
                     };
                     conflicts.list(window, clipped, list);
                 }

@@ -22,9 +22,9 @@ pub(crate) struct SolvedSpan {
 }
 
 impl SolvedSpan {
-    /// Returns the rounding of a distance that is constant over the span, m; else 0.
-    pub(crate) const fn plateau(&self) -> f64 {
-        self.profile.plateau()
+    /// Returns true if the distance is constant over the span.
+    pub(crate) const fn is_plateau(&self) -> bool {
+        self.profile.is_plateau()
     }
 
     /// Returns the closest approach of the two spheres in a part of a contact (s) that overlaps the span; `clip` says

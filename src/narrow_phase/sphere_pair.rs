@@ -16,7 +16,7 @@ pub(crate) struct Approach {
     /// Distance of the two spheres' surfaces, m.
     pub(crate) separation: f64,
     /// Rounding of a constant distance, m; else 0.
-    plateau: f64,
+    pub(crate) plateau: f64,
     pub(crate) sphere_a: u32,
     pub(crate) sphere_b: u32,
     pub(crate) span: Span,

@@ -154,9 +154,9 @@ impl DistanceProfile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
-    /// Returns the rounding of a constant distance, as [`ProfilePoint::plateau`].
-    pub(super) const fn plateau(&self) -> f64 {
-        self.plateau
+    /// Returns true if the distance is constant over the span.
+    pub(super) const fn is_plateau(&self) -> bool {
+        self.plateau > 0.0
     }
 
     fn nodes(&self) -> &[ProfileNode] {

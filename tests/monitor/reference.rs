@@ -309,10 +309,24 @@ fn go_on(
     Some(this)
 }
 
+/// Returns the closest approach that has passed, unless the planned one is nearer: where the distance is constant, by more
+/// than rounding.
 fn nearer(passed: Option<ClosestApproach>, planned: ClosestApproach) -> ClosestApproach {
+    let is_constant = |one: &ClosestApproach| one.relative_velocity.length() < 1e-12;
     match passed {
-        Some(passed) if passed.separation <= planned.separation => passed,
-        _ => planned,
+        Some(passed) => {
+            let rounding = if is_constant(&passed) && is_constant(&planned) {
+                1e-12
+            } else {
+                0.0
+            };
+            if passed.separation <= planned.separation + rounding {
+                passed
+            } else {
+                planned
+            }
+        }
+        None => planned,
     }
 }
 

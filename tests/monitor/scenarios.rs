@@ -325,6 +325,45 @@ fn bodies_in_formation_are_reported_as_screened() {
     }
 }
 
+/// Two that fly in formation come closest when they begin to, and nothing is revised but the exit.
+#[test]
+fn the_rounding_of_a_constant_distance_is_no_event() {
+    let mut rng = rng(4);
+    for _ in 0..20 {
+        let offset = vector(&mut rng, 1.0);
+        let (mut leader, mut follower) = (Vec::new(), Vec::new());
+        for second in 0..11 {
+            let (place, velocity) = (vector(&mut rng, 10.0), vector(&mut rng, 3.0));
+            leader.push(State::new(f64::from(second), place, velocity));
+            follower.push(State::new(f64::from(second), place + offset, velocity));
+        }
+        let mut scene = Scene::new();
+        for states in [leader, follower] {
+            scene
+                .insert(Body::new(Trajectory::from_states(&states).unwrap()))
+                .unwrap();
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(4.0)]).unwrap();
+        let (mut revised, mut ended) = (0, 0);
+        for step in 0..120 {
+            for event in tick(&mut monitor, 0.1 * f64::from(step)) {
+                match event.kind {
+                    EventKind::Revised(encounter) => {
+                        revised += 1;
+                        assert!(!encounter.open);
+                    }
+                    EventKind::Ended(encounter, _) => {
+                        ended += 1;
+                        assert_eq!(encounter.closest.time, 0.0);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        assert_eq!((revised, ended), (1, 1));
+    }
+}
+
 /// Spheres that are equally near when the window begins.
 #[test]
 fn of_equally_near_spheres_the_one_that_is_screened_is_reported() {

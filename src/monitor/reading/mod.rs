@@ -84,6 +84,7 @@ mod tests {
         SolvedConflict {
             conflict: conflict(slots, interval),
             plateau: 0.0,
+            has_plateau: false,
         }
     }
 

@@ -139,7 +139,8 @@ fn encounters_that_cannot_be_are_refused() {
         places.push(format!("{over}{number}"));
     }
     places.extend(closest.map(|number| format!("{over}closest/{number}")));
-    places.extend(closest.map(|number| format!("/encounters/0/0/passed/{number}")));
+    places.extend(closest.map(|number| format!("/encounters/0/0/passed/approach/{number}")));
+    places.push("/encounters/0/0/passed/plateau".to_owned());
     places.extend(closest.map(|number| format!("/encounters/0/1/encounter/closest/{number}")));
     places.extend(sent.map(|number| format!("/encounters/0/1/sent/{number}")));
     for place in &places {
