@@ -28,6 +28,7 @@ mod restore;
 mod revision_threshold;
 mod slice;
 mod snapshot;
+mod solved_conflict;
 mod solved_spans;
 mod sorted_slab;
 mod tick;

@@ -6,9 +6,10 @@
 //! clock, touches is clipped to it in each tick.
 
 use super::alert_level::AlertLevel;
-use super::encounters::{PlannedEncounter, SolvedConflict, TickContext};
+use super::encounters::{PlannedEncounter, TickContext};
 use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
+use super::solved_conflict::SolvedConflict;
 use super::solved_spans::SlotPair;
 use crate::conflict::{Clip, Conflict};
 use crate::narrow_phase::{BodyView, Contact};

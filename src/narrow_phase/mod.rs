@@ -13,6 +13,7 @@ mod approach;
 mod certified;
 mod clusters;
 mod contact;
+mod crossing;
 mod dips;
 mod half_space;
 pub mod kernels;

@@ -2,7 +2,7 @@
 
 use super::{WindowEdges, WindowSide};
 use crate::conflict::Conflict;
-use crate::monitor::encounters::SolvedConflict;
+use crate::monitor::solved_conflict::SolvedConflict;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::SortedSlab;
 use crate::rounding::total_order;

@@ -40,7 +40,8 @@ mod tests {
     use super::{ConflictCache, EncounterCache, WindowEdges};
     use crate::conflict::{Clip, ClosestApproach, Conflict};
     use crate::id::BodyId;
-    use crate::monitor::encounters::{PlannedEncounter, SolvedConflict};
+    use crate::monitor::encounters::PlannedEncounter;
+    use crate::monitor::solved_conflict::SolvedConflict;
     use glam::DVec3;
 
     const CLOSEST: ClosestApproach = ClosestApproach {
