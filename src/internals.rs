@@ -63,8 +63,8 @@
 //!     - A search *from nothing* forms boxes of all bodies for itself alone, and keeps none. A *jump* of the clock
 //!       is searched so, in *chunks* of time.
 //!     - A body is *due* at the instant up to which it was compared with half-spaces.
-//! 11. `monitor/reading`: contacts of a pair become conflicts and *planned encounters*, whatever the window.
-//!     Those *at an edge* of the window are read again in each tick.
+//! 11. `monitor/reading`: contacts of a pair become *solved conflicts* and *planned encounters*, whatever the window.
+//!     Those *at an edge* of the window are clipped to it in each tick.
 //! 12. `monitor/encounters`: a planned encounter that is reported becomes a *tracked encounter*, until it
 //!     ends or is withdrawn. Their differences are the events. Pairs *wait* that have tracked encounters
 //!     beyond the known time. An instant up to which events were reported is *reported*.

@@ -80,7 +80,7 @@ use told_motions::ToldMotions;
 /// # Cost
 ///
 /// A tick works on changed plans, on the time that comes into the lookahead, and on encounters that an
-/// edge of the lookahead or the clock cuts. An encounter under way costs one or two microseconds a tick,
+/// edge of the lookahead or the clock cuts. An encounter under way costs about a microsecond a tick,
 /// and at each level a tenth for each span (a cubic of one body with a cubic of the other) that it has in
 /// the lookahead. Where most bodies are within the margin of many others all the time, screening anew
 /// may be cheaper.
