@@ -11,6 +11,7 @@ mod both_ways;
 mod budgets;
 mod clocks;
 mod crowded;
+mod equal_distances;
 mod grid;
 mod instants;
 mod late;

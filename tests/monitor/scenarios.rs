@@ -1,11 +1,10 @@
 //! What a monitor of two bodies tells, event by event: one scenario a test.
 
-use super::is_as_screened;
-use super::support::{bits, line, rng, vector, wander, with_every_change};
+use super::support::{bits, line, rng, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside, Query,
-    RevisionThreshold, Scene, Sphere, State, Trajectory, Window,
+    RevisionThreshold, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 
@@ -282,104 +281,6 @@ fn changes_are_measured_from_the_prediction_also_after_the_beginning() {
     assert_eq!(kinds(&tick(&mut monitor, 9.1)), ["began 0"]);
     monitor.set_trajectory(id, nudged(0.14)).unwrap();
     assert_eq!(kinds(&tick(&mut monitor, 9.2)), ["revised 0"]);
-}
-
-/// Moves the clock of a monitor of two bodies; its conflicts are those of a screening, bit for bit, after each tick.
-fn stays_as_screened(bodies: [Body; 2], level: AlertLevel, clocks: &[f64]) {
-    let mut scene = Scene::new();
-    for body in bodies {
-        scene.insert(body).unwrap();
-    }
-    let mut monitor = Monitor::new(scene, 0.0, 5.0, &[level]).unwrap();
-    for &now in clocks {
-        tick(&mut monitor, now);
-        assert!(!monitor.conflicts(0).unwrap().is_empty());
-        is_as_screened(&monitor, level);
-    }
-}
-
-/// Which instant of a distance that is constant but for rounding counts depends on all that the window has of it.
-#[test]
-fn bodies_in_formation_are_reported_as_screened() {
-    // Nearer by some roundings from state to state.
-    let nearing = (0..5).map(|k| {
-        let place = DVec3::X * (1.0 - 3e-15 * f64::from(k));
-        State::new(2.5 * f64::from(k), place, DVec3::ZERO)
-    });
-    let nearing = Trajectory::from_states(&nearing.collect::<Vec<_>>()).unwrap();
-    let bodies = [Trajectory::at_rest(DVec3::ZERO).unwrap(), nearing].map(Body::new);
-    stays_as_screened(bodies, AlertLevel::at(2.0), &[0.0, 3.0, 4.0]);
-    // Along one curved path, a metre apart.
-    let mut rng = rng(3);
-    let clocks: Vec<f64> = (0..150).map(|step| 0.1 * f64::from(step)).collect();
-    for _ in 0..20 {
-        let offset = vector(&mut rng, 1.0);
-        let (mut leader, mut follower) = (Vec::new(), Vec::new());
-        for second in 0..21 {
-            let (place, velocity) = (vector(&mut rng, 1000.0), vector(&mut rng, 3.0));
-            leader.push(State::new(f64::from(second), place, velocity));
-            follower.push(State::new(f64::from(second), place + offset, velocity));
-        }
-        let bodies = [leader, follower].map(|states| Trajectory::from_states(&states).unwrap());
-        stays_as_screened(bodies.map(Body::new), AlertLevel::at(4.0), &clocks);
-    }
-}
-
-/// Two that fly in formation come closest when they begin to, and nothing is revised but the exit.
-#[test]
-fn the_rounding_of_a_constant_distance_is_no_event() {
-    let mut rng = rng(4);
-    for _ in 0..20 {
-        let offset = vector(&mut rng, 1.0);
-        let (mut leader, mut follower) = (Vec::new(), Vec::new());
-        for second in 0..11 {
-            let (place, velocity) = (vector(&mut rng, 10.0), vector(&mut rng, 3.0));
-            leader.push(State::new(f64::from(second), place, velocity));
-            follower.push(State::new(f64::from(second), place + offset, velocity));
-        }
-        let mut scene = Scene::new();
-        for states in [leader, follower] {
-            scene
-                .insert(Body::new(Trajectory::from_states(&states).unwrap()))
-                .unwrap();
-        }
-        let mut monitor = Monitor::new(scene, 0.0, 3.0, &[AlertLevel::at(4.0)]).unwrap();
-        let (mut revised, mut ended) = (0, 0);
-        for step in 0..120 {
-            for event in tick(&mut monitor, 0.1 * f64::from(step)) {
-                match event.kind {
-                    EventKind::Revised(encounter) => {
-                        revised += 1;
-                        assert!(!encounter.open);
-                    }
-                    EventKind::Ended(encounter, _) => {
-                        ended += 1;
-                        assert_eq!(encounter.closest.time, 0.0);
-                    }
-                    _ => {}
-                }
-            }
-        }
-        assert_eq!((revised, ended), (1, 1));
-    }
-}
-
-/// Spheres that are equally near when the window begins.
-#[test]
-fn of_equally_near_spheres_the_one_that_is_screened_is_reported() {
-    let sphere = |x: f64, y: f64| Sphere {
-        offset: DVec3::new(x, y, 0.0),
-        radius: 0.0,
-    };
-    let point = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
-    let rising = Trajectory::coasting(State::new(0.0, DVec3::ZERO, DVec3::Y)).unwrap();
-    for spheres in [
-        vec![sphere(4.0, 2.0), sphere(3.0, 3.0)],
-        vec![sphere(3.0, 3.0), sphere(4.0, 2.0)],
-    ] {
-        let cluster = Body::new(rising.clone()).with_hitbox(Hitbox::cluster(spheres).unwrap());
-        stays_as_screened([point.clone(), cluster], AlertLevel::at(6.0), &[0.0, 1.0]);
-    }
 }
 
 /// An encounter that begins at the clock's instant, and is revised in the same tick.
