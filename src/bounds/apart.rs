@@ -134,8 +134,8 @@ mod tests {
             let is_apart = |margin: f64| {
                 let point = Hitbox::POINT;
                 let padding = Padding::of(&point, margin, &frame);
-                let sources = compacts.each_ref().map(|(compact, lines)| {
-                    let view = compact.on(lines);
+                let sources = compacts.each_ref().map(|(compact, cache_lines)| {
+                    let view = compact.on(cache_lines);
                     CubicSource::compact(view.knots, &view, &padding, &frame)
                 });
                 let [a, b] = [0, 1].map(|k: usize| BodyCubic {

@@ -22,7 +22,7 @@ impl CacheLine {
     const KNOTS: usize = 8;
 }
 
-/// Header of a trajectory in f32. Its knots, cubics and runs of cubics follow one another on lines
+/// Header of a trajectory in f32. Its knots, cubics and runs of cubics follow one another on cache lines
 /// stored elsewhere. The knots are a copy, so that they lie next to the cubics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CompactTrajectory {
@@ -36,7 +36,7 @@ pub(crate) struct CompactTrajectory {
     cubics: usize,
 }
 
-/// A compact trajectory with its lines.
+/// A compact trajectory with its cache lines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CompactView<'a> {
     pub(super) frame: Frame,
@@ -47,17 +47,17 @@ pub(crate) struct CompactView<'a> {
 }
 
 impl CompactTrajectory {
-    /// Returns the number of lines for a motion with these counts of knots and cubics.
-    pub(crate) const fn lines(knots: usize, cubics: usize) -> usize {
+    /// Returns the number of cache lines for a motion with these counts of knots and cubics.
+    pub(crate) const fn cache_lines(knots: usize, cubics: usize) -> usize {
         knots.div_ceil(CacheLine::KNOTS) + cubics + count_of_runs(cubics)
     }
 
-    /// Writes the cubics of a motion, each between two knots, to its lines; returns the header and
+    /// Writes the cubics of a motion, each between two knots, to its cache lines; returns the header and
     /// the motion's extremes.
     pub(crate) fn write(
         knots: &[f64],
         segments: &[Segment],
-        lines: &mut [CacheLine],
+        cache_lines: &mut [CacheLine],
     ) -> (Self, DAabb) {
         let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
@@ -80,7 +80,7 @@ impl CompactTrajectory {
             compact.frame.power = normalising_power(size);
             compact.size = size * compact.frame.power;
         }
-        let (of_knots, rest) = lines.split_at_mut(knots.len().div_ceil(CacheLine::KNOTS));
+        let (of_knots, rest) = cache_lines.split_at_mut(knots.len().div_ceil(CacheLine::KNOTS));
         let (compact_cubics, runs) = rest.split_at_mut(segments.len());
         cast_slice_mut(of_knots)[..knots.len()].copy_from_slice(knots);
         let compact_cubics: &mut [CompactCubic] = cast_slice_mut(compact_cubics);
@@ -101,9 +101,9 @@ impl CompactTrajectory {
         self.ends
     }
 
-    /// Returns the view of the data on these lines.
-    pub(crate) fn on<'a>(&self, lines: &'a [CacheLine]) -> CompactView<'a> {
-        let (knots, rest) = lines.split_at(self.knots.div_ceil(CacheLine::KNOTS));
+    /// Returns the view of the data on these cache lines.
+    pub(crate) fn on<'a>(&self, cache_lines: &'a [CacheLine]) -> CompactView<'a> {
+        let (knots, rest) = cache_lines.split_at(self.knots.div_ceil(CacheLine::KNOTS));
         let (compact_cubics, runs) = rest.split_at(self.cubics);
         CompactView {
             frame: self.frame,
@@ -114,10 +114,14 @@ impl CompactTrajectory {
         }
     }
 
-    /// Returns a compact trajectory on lines of its own.
+    /// Returns a compact trajectory on cache lines of its own.
     #[cfg(test)]
     pub(crate) fn of(knots: &[f64], segments: &[Segment]) -> (Self, Vec<CacheLine>) {
-        let mut lines = vec![CacheLine::BLANK; Self::lines(knots.len(), segments.len())];
-        (Self::write(knots, segments, &mut lines).0, lines)
+        let mut cache_lines =
+            vec![CacheLine::BLANK; Self::cache_lines(knots.len(), segments.len())];
+        (
+            Self::write(knots, segments, &mut cache_lines).0,
+            cache_lines,
+        )
     }
 }

@@ -193,9 +193,9 @@ mod tests {
         mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
     ) {
         let PlanPieces { plan, pieces, .. } = plan_pieces;
-        let (compact, lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
+        let (compact, cache_lines) = CompactTrajectory::of(&pieces.knots, &pieces.segments);
         let (own, own_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let all = compact.on(&lines);
+        let all = compact.on(&cache_lines);
         let frame = all.frame;
         let padding = Padding::of(&Hitbox::POINT, 0.0, &frame);
         let source = if plan_pieces.by_points {

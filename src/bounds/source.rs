@@ -223,8 +223,8 @@ mod tests {
                 [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]][round / 3 % 4];
             let [offset, radius, margin] =
                 sizes.map(|size| size * unit * rng.random_range(0.5..1.0));
-            let mut lane = || rng.random_range(-1.0..1.0);
-            let offset = DVec3::new(lane(), lane(), lane()) * offset;
+            let mut coordinate = || rng.random_range(-1.0..1.0);
+            let offset = DVec3::new(coordinate(), coordinate(), coordinate()) * offset;
             let Ok(hitbox) = Hitbox::cluster(vec![Sphere { offset, radius }]) else {
                 unreachable!("all is finite")
             };

@@ -202,9 +202,10 @@ mod tests {
                         most *= 1.2;
                     }
                     tightest = tightest.min(most);
-                    let lane = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
-                    let on_line = Exact::of(lane(line.start))
-                        .plus(&Exact::of(lane(line.change)).times(&number(share)));
+                    let vector =
+                        |coordinates: [f32; 3]| DVec3::from_array(coordinates.map(f64::from));
+                    let on_line = Exact::of(vector(line.start))
+                        .plus(&Exact::of(vector(line.change)).times(&number(share)));
                     assert!(
                         position.minus(&on_line).is_within(line.radius.into()),
                         "{round} {time}"

@@ -15,14 +15,14 @@ pub(crate) struct MotionSummary {
     error: f64,
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
-    /// Header of the compact trajectory; its lines are stored separately.
+    /// Header of the compact trajectory; its cache lines are stored separately.
     pub(crate) compact: CompactTrajectory,
 }
 
 impl MotionSummary {
-    fn of(trajectory: &Trajectory, lines: &mut [CacheLine]) -> Self {
+    fn of(trajectory: &Trajectory, cache_lines: &mut [CacheLine]) -> Self {
         let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
-        let (compact, extremes) = CompactTrajectory::write(knots, segments, lines);
+        let (compact, extremes) = CompactTrajectory::write(knots, segments, cache_lines);
         let mut summary = Self {
             extremes,
             error: largest_error(knots, segments),
@@ -66,27 +66,27 @@ fn largest_error(cuts: &[f64], segments: &[Segment]) -> f64 {
 /// The storage of a body's compact trajectory.
 #[derive(Debug)]
 enum CompactStorage {
-    /// Lines in the scene's arena.
+    /// Cache lines in the scene's arena.
     Shared(ArenaRange),
     /// Allocated on its own, by a read access to the scene.
     Own(Vec<CacheLine>),
 }
 
 impl CompactStorage {
-    /// Computes the summary of a trajectory on lines of its own.
+    /// Computes the summary of a trajectory on cache lines of its own.
     fn of(trajectory: &Trajectory) -> (MotionSummary, Self) {
-        let mut lines = vec![CacheLine::BLANK; lines_for(trajectory)];
-        let summary = MotionSummary::of(trajectory, &mut lines);
-        (summary, Self::Own(lines))
+        let mut cache_lines = vec![CacheLine::BLANK; cache_lines_for(trajectory)];
+        let summary = MotionSummary::of(trajectory, &mut cache_lines);
+        (summary, Self::Own(cache_lines))
     }
 
-    /// Computes the summary of a trajectory on lines of an arena, in place of a previous one.
+    /// Computes the summary of a trajectory on cache lines of an arena, in place of a previous one.
     fn shared(
         trajectory: &Trajectory,
         before: Option<ArenaRange>,
         arena: &mut CubicArena,
     ) -> (MotionSummary, Self) {
-        let count = lines_for(trajectory);
+        let count = cache_lines_for(trajectory);
         let range = match before {
             Some(range) => arena.exchange(range, count),
             None => arena.take(count),
@@ -96,9 +96,9 @@ impl CompactStorage {
     }
 }
 
-/// Returns the number of lines of a trajectory's compact form.
-fn lines_for(trajectory: &Trajectory) -> usize {
-    CompactTrajectory::lines(trajectory.cuts().len(), trajectory.cubics().len())
+/// Returns the number of cache lines of a trajectory's compact form.
+fn cache_lines_for(trajectory: &Trajectory) -> usize {
+    CompactTrajectory::cache_lines(trajectory.cuts().len(), trajectory.cubics().len())
 }
 
 #[derive(Debug)]
@@ -144,10 +144,10 @@ impl SceneEntry {
 
     /// Returns the compact trajectory; the arena is that of the body's scene.
     pub(crate) fn compact_view<'a>(&'a self, arena: &'a CubicArena) -> CompactView<'a> {
-        let (summary, lines) = self.cached();
-        summary.compact.on(match lines {
+        let (summary, cache_lines) = self.cached();
+        summary.compact.on(match cache_lines {
             CompactStorage::Shared(range) => arena.at(range),
-            CompactStorage::Own(lines) => lines,
+            CompactStorage::Own(cache_lines) => cache_lines,
         })
     }
 
@@ -246,14 +246,14 @@ impl SceneEntry {
     /// Returns this entry for a copy of its scene.
     pub(super) fn copy(&self, arena: &CubicArena, copy: &mut CubicArena) -> Self {
         let summary = self.summary.get().map(|kept| {
-            let (summary, lines) = &**kept;
-            let lines = match lines {
+            let (summary, cache_lines) = &**kept;
+            let cache_lines = match cache_lines {
                 CompactStorage::Shared(range) => {
                     CompactStorage::Shared(copy.take_copy(arena, range))
                 }
-                CompactStorage::Own(lines) => CompactStorage::Own(lines.clone()),
+                CompactStorage::Own(cache_lines) => CompactStorage::Own(cache_lines.clone()),
             };
-            Box::new((*summary, lines))
+            Box::new((*summary, cache_lines))
         });
         Self {
             body: self.body.clone(),

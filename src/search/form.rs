@@ -238,10 +238,11 @@ mod tests {
             let Ok(trajectory) = Trajectory::from_states(&states) else {
                 unreachable!("the states are in order")
             };
-            let (compact, lines) = CompactTrajectory::of(trajectory.knots(), trajectory.segments());
+            let (compact, cache_lines) =
+                CompactTrajectory::of(trajectory.knots(), trajectory.segments());
             let source = CubicSource::compact(
                 Knots::of(trajectory.knots()),
-                &compact.on(&lines),
+                &compact.on(&cache_lines),
                 &padding,
                 &frame,
             );

@@ -32,13 +32,13 @@ fn fat_lines_lie_in_the_middle_of_a_bend() {
         let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
             unreachable!("the states are in order")
         };
-        let (compact, lines) = CompactTrajectory::of(flight.knots(), flight.segments());
+        let (compact, cache_lines) = CompactTrajectory::of(flight.knots(), flight.segments());
         let frame = Frame::around(DAabb::NOTHING, 0.0);
         let hitbox = Hitbox::POINT;
         let padding = Padding::of(&hitbox, 0.0, &frame);
         let source = CubicSource::compact(
             Knots::of(flight.knots()),
-            &compact.on(&lines),
+            &compact.on(&cache_lines),
             &padding,
             &frame,
         );
@@ -87,8 +87,8 @@ fn runs_stray_as_far_as_their_cubics() {
             unreachable!("the states are in order")
         };
         let knots = flight.knots();
-        let (compact, lines) = CompactTrajectory::of(knots, flight.segments());
-        let view = compact.on(&lines);
+        let (compact, cache_lines) = CompactTrajectory::of(knots, flight.segments());
+        let view = compact.on(&cache_lines);
         let (compact_cubics, runs) = (view.compact_cubics, view.runs);
         assert_eq!(runs.len(), 16 + 4 + 1);
         let first = 4 * rng.random_range(0..16);
@@ -127,10 +127,11 @@ fn slacks_are_rounded_outward() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     for round in 0..20_000 {
         let unit = [1.0, 1e-10, 1e-23][round % 3];
-        let mut lane = || unit * rng.random_range(0.0_f32..1.0);
-        let deviation = Vec4::new(lane(), lane(), lane(), 0.0);
-        let rounding = Vec4::new(lane(), lane(), lane(), 0.0) * [0.0, 1.0][round / 3 % 2];
-        let reach = lane() * [0.0, 1.0][round / 6 % 2];
+        let mut coordinate = || unit * rng.random_range(0.0_f32..1.0);
+        let deviation = Vec4::new(coordinate(), coordinate(), coordinate(), 0.0);
+        let rounding =
+            Vec4::new(coordinate(), coordinate(), coordinate(), 0.0) * [0.0, 1.0][round / 3 % 2];
+        let reach = coordinate() * [0.0, 1.0][round / 6 % 2];
         let found = fat_line(Vec4::ZERO, Vec4::ZERO, (deviation, rounding), reach, 0);
         let parts = [reach, rounding.x, rounding.y, rounding.z];
         let others = parts.map(|part| number(f64::from(part))).into_iter();

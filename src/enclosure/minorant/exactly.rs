@@ -199,15 +199,18 @@ fn lower_bounds_are_below_straight_motions() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for round in 0..40_000 {
         let bits = [4, 11][round % 2];
-        let mut lane = || rng.random_range(-(1 << bits)..=1 << bits);
-        let (start, step) = ([lane(), lane(), lane()], [lane(), lane(), lane()]);
+        let mut coordinate = || rng.random_range(-(1 << bits)..=1 << bits);
+        let (start, step) = (
+            [coordinate(), coordinate(), coordinate()],
+            [coordinate(), coordinate(), coordinate()],
+        );
         let points: [[i32; 3]; 4] =
             [0, 1, 2, 3].map(|count| [0, 1, 2].map(|k| start[k] + count * step[k]));
         let dot = |x: [i32; 3], y: [i32; 3]| {
             let terms = [0, 1, 2].map(|k| i64::from(x[k]) * i64::from(y[k]));
             RBig::from(terms.into_iter().sum::<i64>())
         };
-        let way = step.map(|lane| 3 * lane);
+        let way = step.map(|coordinate| 3 * coordinate);
         let (square, slope, leading) = (dot(start, start), dot(start, way), dot(way, way));
         let share = if leading > RBig::ZERO {
             -slope.clone() / &leading

@@ -24,7 +24,7 @@ fn ranges_keep_what_is_drawn_on_them() {
         let most = if phase < 30_000 { phase / 30 } else { 100 };
         owners.resize_with(owners.len().max(most as usize + 1), || None);
         let owner = rng.random_range(0..owners.len());
-        let lines = if phase < 30_000 && rng.random_bool(0.05) {
+        let cache_lines = if phase < 30_000 && rng.random_bool(0.05) {
             rng.random_range(0..3_000)
         } else {
             rng.random_range(0..60)
@@ -38,13 +38,13 @@ fn ranges_keep_what_is_drawn_on_them() {
                 arena.give_back(range);
                 None
             }
-            Some((range, _)) => Some(arena.exchange(range, lines)),
+            Some((range, _)) => Some(arena.exchange(range, cache_lines)),
             None if owner > most as usize => None,
-            None => Some(arena.take(lines)),
+            None => Some(arena.take(cache_lines)),
         };
         if let Some(range) = range {
             let mark = f64::from(round);
-            assert!(arena.at(&range).len() == lines);
+            assert!(arena.at(&range).len() == cache_lines);
             arena.at_mut(&range).fill(bytemuck::cast([mark; 8]));
             owners[owner] = Some((range, mark));
         }
@@ -56,9 +56,9 @@ fn ranges_keep_what_is_drawn_on_them() {
             copied += 1;
         }
         if round < 50_000 {
-            peak = peak.max(arena.lines());
+            peak = peak.max(arena.cache_lines());
         }
-        let held = owners.iter().flatten().map(|(range, _)| range.lines);
+        let held = owners.iter().flatten().map(|(range, _)| range.cache_lines);
         assert!(phase % 1_000 != 0 || arena.live == held.sum::<usize>());
     }
     assert!(copied > 10, "{copied}");
@@ -66,7 +66,11 @@ fn ranges_keep_what_is_drawn_on_them() {
         peak > 2 * CubicArena::FEW,
         "of both kinds of memory: {peak}"
     );
-    assert!(arena.lines() <= peak / 2, "{} {peak}", arena.lines());
+    assert!(
+        arena.cache_lines() <= peak / 2,
+        "{} {peak}",
+        arena.cache_lines()
+    );
     for (range, mark) in owners.drain(..).flatten() {
         assert!(is_marked(&arena, &range, mark), "{range:?} {mark}");
         arena.give_back(range);
@@ -82,7 +86,7 @@ fn bodies_that_are_gone_leave_their_lines() {
     let mut ids: Vec<_> = (0..100)
         .filter_map(|k| insert(&mut scene, straight(1 + k % 40)).ok())
         .collect();
-    let before = scene.arena().lines();
+    let before = scene.arena().cache_lines();
     for round in 0..20_000 {
         let place = round % ids.len();
         // Those of a size are as many as before.
@@ -105,14 +109,14 @@ fn bodies_that_are_gone_leave_their_lines() {
     }
     let most = 2 * before + 2 * CubicArena::FEW;
     assert!(
-        scene.arena().lines() <= most,
+        scene.arena().cache_lines() <= most,
         "{} {before}",
-        scene.arena().lines()
+        scene.arena().cache_lines()
     );
     for id in ids {
         assert!(scene.remove(id).is_ok());
     }
-    assert_eq!(scene.arena().lines(), 0);
+    assert_eq!(scene.arena().cache_lines(), 0);
 }
 
 fn straight(cubics: u32) -> Trajectory {
@@ -173,17 +177,20 @@ fn memory_goes_back_when_all_plans_change() {
     assert!(most <= 5.0, "{most}");
 }
 
-/// Returns the ratio of held lines to the bodies' need, without the garbage and the two partly used
+/// Returns the ratio of held cache lines to the bodies' need, without the garbage and the two partly used
 /// large pages that any scene may hold.
 fn excess(scene: &Scene) -> f64 {
-    let lines = |body: &Body| {
+    let cache_lines = |body: &Body| {
         let plan = &body.trajectory;
-        CompactTrajectory::lines(plan.knots().len(), plan.segments().len())
+        CompactTrajectory::cache_lines(plan.knots().len(), plan.segments().len())
     };
-    let needed: usize = scene.bodies().map(|(_, body)| lines(body)).sum();
-    let held = scene.arena().lines().saturating_sub(5 * CubicArena::FEW);
+    let needed: usize = scene.bodies().map(|(_, body)| cache_lines(body)).sum();
+    let held = scene
+        .arena()
+        .cache_lines()
+        .saturating_sub(5 * CubicArena::FEW);
     let [held, needed] =
-        [held, needed].map(|lines| u32::try_from(lines).map_or(f64::NAN, f64::from));
+        [held, needed].map(|cache_lines| u32::try_from(cache_lines).map_or(f64::NAN, f64::from));
     held / needed
 }
 
@@ -191,8 +198,8 @@ fn excess(scene: &Scene) -> f64 {
 fn is_drawn_right(scene: &Scene) {
     for (_, entry) in scene.entries() {
         let plan = &entry.body.trajectory;
-        let (compact, lines) = CompactTrajectory::of(plan.knots(), plan.segments());
-        let [there, afresh] = [entry.compact_view(scene.arena()), compact.on(&lines)];
+        let (compact, cache_lines) = CompactTrajectory::of(plan.knots(), plan.segments());
+        let [there, afresh] = [entry.compact_view(scene.arena()), compact.on(&cache_lines)];
         assert_eq!(format!("{there:?}"), format!("{afresh:?}"));
     }
 }
