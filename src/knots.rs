@@ -79,6 +79,11 @@ impl<'a> Knots<'a> {
         self.before as usize
     }
 
+    /// Returns true if cubic number `number` is one of the plan's own, not of its extension.
+    pub(crate) const fn is_own(&self, number: usize) -> bool {
+        self.before() <= number && number + 1 < self.before() + self.own.len()
+    }
+
     /// Returns true if not all cubics are in the list of a plan: beyond it, or of a straight motion.
     #[inline(always)]
     pub(crate) const fn are_extended(&self) -> bool {

@@ -10,7 +10,8 @@ mod support;
 use glam::DVec3;
 use nearmiss::internals::QueryInternals;
 use nearmiss::{
-    AlertLevel, Body, Clip, Conflict, Monitor, Outside, Query, Scene, State, Trajectory, Window,
+    AlertLevel, Body, Clip, Conflict, Hitbox, Monitor, Outside, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -227,5 +228,47 @@ fn both_sides_of_a_jump_count() {
                 }
             }
         }
+    }
+}
+
+/// The closest approach is at the last knot of a plan that goes on, where the other body ends. The velocity has the same
+/// bits however far beyond the knot is looked.
+#[test]
+fn a_velocity_at_the_last_knot_is_the_same_in_all_windows() {
+    let (end, velocity) = (8.0, -0.1);
+    let state =
+        |time: f64, height: f64, speed: f64| State::new(time, DVec3::Z * height, DVec3::Z * speed);
+    // Of some plans, the velocity that the cubic has at its end is not quite the one that was given.
+    let plans = (1..100).map(|number| {
+        let start = state(0.3, 0.7 + 0.01 * f64::from(number), -0.3);
+        Trajectory::from_states(&[start, state(end, 0.0, velocity)]).unwrap()
+    });
+    let is_off =
+        |plan: &Trajectory| plan.segments()[0].motion_at(end).1.z.to_bits() != velocity.to_bits();
+    let plans: Vec<Trajectory> = plans.filter(is_off).collect();
+    assert!(plans.len() > 10, "{}", plans.len());
+    let floor = Hitbox::half_space(DVec3::Z).unwrap();
+    let ground = line(0.0, end, DVec3::ZERO, DVec3::ZERO);
+    for (outside, plan) in [Outside::Coast, Outside::Extrapolate]
+        .into_iter()
+        .flat_map(|outside| plans.iter().map(move |plan| (outside, plan)))
+    {
+        let ball = Body::new(plan.clone().with_outside(outside));
+        let ends = Body::new(ground.clone()).with_hitbox(floor.clone());
+        let mut scene = Scene::new();
+        scene.insert(ball).unwrap();
+        scene.insert(ends).unwrap();
+        let at = |until: f64| {
+            let found = screen(&scene, Window::new(7.6, until).unwrap(), 0.001);
+            found[0].closest
+        };
+        let level = AlertLevel::at(0.001);
+        let mut monitor = Monitor::new(scene.clone(), 7.5, 0.5, &[level]).unwrap();
+        for now in [7.5, 7.6] {
+            monitor.advance(now, &mut Vec::new()).unwrap();
+        }
+        assert_eq!(at(end).time, end);
+        assert_eq!(at(end), at(8.1));
+        assert_eq!(monitor.conflicts(0).unwrap()[0].closest, at(8.1));
     }
 }

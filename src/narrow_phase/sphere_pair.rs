@@ -75,9 +75,11 @@ impl Approach {
             let cubic = cubic as usize;
             let (position, velocity, _) = view.segment(cubic).motion_at(self.time);
             let has_ended = view.knots.at(cubic + 1) <= self.time;
-            if has_ended && cubic + 1 < view.knots.cubics() {
+            if has_ended && view.knots.is_own(cubic + 1) {
                 (position, view.segment(cubic + 1).motion_at(self.time).1)
             } else {
+                // Beyond its knots a body keeps the velocity of its last cubic, to rounding: that one is taken, whether
+                // the extension is there or not.
                 (position, velocity)
             }
         };

@@ -7,6 +7,7 @@ use crate::accuracy::Accuracy;
 use crate::error::Error;
 use crate::trajectory::Outside;
 use glam::DQuat;
+use std::ops::RangeInclusive;
 
 /// A turning motion.
 #[derive(Clone, Debug)]
@@ -44,15 +45,16 @@ impl PartialEq for Turning {
 }
 
 impl Turning {
+    /// Tolerances that can be set: what rounding, and a cubic, allow.
+    const TOLERANCES: RangeInclusive<f64> = 1e-9..=0.1;
+
     /// Returns the motion of these parts. Cuts of cubics that known motions have are not searched for again.
     pub(super) fn of(
         parts: Vec<OrientationPart>,
         tolerance: Option<f64>,
         known: &[&Self],
     ) -> Result<Self, Error> {
-        /// Range of tolerances: what rounding, and a cubic, allow.
-        const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.1;
-        if let Some(value) = tolerance.filter(|value| !RANGE.contains(value)) {
+        if let Some(value) = tolerance.filter(|value| !Self::TOLERANCES.contains(value)) {
             return Err(Error::Tolerance { value });
         }
         let mut turning = Self {
@@ -127,9 +129,18 @@ impl Turning {
     /// whose radius is enlarged by the error of its centre, at any accuracy: for spheres within
     /// `reach` (m), with centres within `arm` (m).
     pub(crate) fn reach(&self, reach: f64, arm: f64) -> f64 {
+        Self::reach_with(self.tolerance(Accuracy::Exact), reach, arm)
+    }
+
+    /// Returns a bound of the [reach](Self::reach) that holds for all orientations, m.
+    pub(crate) fn reach_at_most(reach: f64, arm: f64) -> f64 {
+        Self::reach_with(*Self::TOLERANCES.end(), reach, arm)
+    }
+
+    fn reach_with(tolerance: f64, reach: f64, arm: f64) -> f64 {
         // Twice: the centre may be off by the error, and the radius is enlarged by it. The cubic of an unknown
         // rotation leaves the centre at the body's position.
-        let error = 2.0 * Self::largest_error(self.tolerance(Accuracy::Exact));
+        let error = 2.0 * Self::largest_error(tolerance);
         (reach + error * arm) * (1.0 + 1e-12) + f64::MIN_POSITIVE
     }
 

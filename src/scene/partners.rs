@@ -5,6 +5,7 @@
 
 use super::body::Body;
 use crate::layers::Layers;
+use crate::orientation::Turning;
 use crate::rounding::UNIT_ROUNDOFF;
 use std::collections::BTreeMap;
 
@@ -135,10 +136,12 @@ impl<'s> Partners<'s> {
     }
 }
 
-/// Returns an upper bound of the radii of a body's hitbox, the model error included, m; to rounding.
-/// Infinite of a half-space.
-pub(crate) const fn radius(body: &Body) -> f64 {
-    body.hitbox.bounding().radius + body.model_error()
+/// Returns an upper bound of the radii of a body's spheres, m, to rounding. It includes the model error, and the error
+/// of centres that turn, in any orientation that the body may be given. Infinite of a half-space.
+pub(crate) fn radius(body: &Body) -> f64 {
+    let hitbox = &body.hitbox;
+    let reach = Turning::reach_at_most(hitbox.radius_around_position(), hitbox.arm());
+    reach + body.model_error()
 }
 
 /// Returns false if two radii and a margin (m) certainly add up to less than zero.

@@ -4,7 +4,7 @@ use super::{moving, rotation, vector};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
     AlertLevel, Body, BodyId, BodyPlan, BodyState, Command, Conflict, Error, Event, Hitbox,
-    Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+    Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window, pair,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -260,4 +260,48 @@ fn a_told_spin_reaches_where_nothing_was() {
     monitor.advance(0.1, &mut events).unwrap();
     assert_eq!(monitor.conflicts(0).unwrap(), screened_at(&monitor, 0.0));
     assert_eq!(events.len(), 1);
+}
+
+/// Each radius is enlarged by a centre's error: two of 0.05 m may overlap by a little more than 0.1 m. Whoever is
+/// asked says the same, also where a level beside it has a larger margin.
+#[test]
+fn a_margin_below_the_radii_is_the_same_for_all_callers() {
+    let ball = Sphere {
+        offset: DVec3::X,
+        radius: 0.05,
+    };
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
+    let body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap())
+        .with_hitbox(Hitbox::cluster(vec![ball]).unwrap())
+        .with_orientation(spin);
+    let mut one = Scene::new();
+    one.insert(body.clone()).unwrap();
+    let mut both = one.clone();
+    both.insert(body.clone()).unwrap();
+    for (margin, expected) in [(-0.1, 1), (-0.1005, 1), (-0.104, 0)] {
+        let window = Window::new(0.0, 1.0).unwrap();
+        let query = Query::new(window).with_margin(margin);
+        let found = both.screen(&query).unwrap().conflicts;
+        assert_eq!(found.len(), expected, "{margin}");
+        let pair = pair::conflicts(&body, &body, &query).unwrap();
+        assert_eq!(found, pair, "{margin}");
+        let asked = one.conflicts_with(&body, &query).unwrap();
+        assert_eq!(found, asked, "{margin}");
+        let level = AlertLevel::at(margin);
+        let released = AlertLevel {
+            release: 0.0,
+            ..level
+        };
+        for levels in [&[level][..], &[released], &[level, AlertLevel::at(0.0)]] {
+            let monitor_of = |scene: &Scene| {
+                let mut monitor = Monitor::new(scene.clone(), 0.0, 1.0, levels).unwrap();
+                monitor.advance(0.0, &mut Vec::new()).unwrap();
+                monitor
+            };
+            let (mut with_one, with_both) = (monitor_of(&one), monitor_of(&both));
+            assert_eq!(with_both.conflicts(0).unwrap(), found, "{margin}");
+            let would = with_one.what_if_body(&body, 0).unwrap();
+            assert_eq!(found, would, "{margin} {levels:?}");
+        }
+    }
 }
