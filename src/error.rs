@@ -335,7 +335,7 @@ pub enum Error {
     /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
         "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
-         (the lookahead) or the margin, or raise the limit"
+         (the lookahead) or the margin, or raise the limit (max_spans)"
     )]
     TooCrowded {
         /// The limit; see [`Query::with_max_spans`](crate::Query::with_max_spans) and

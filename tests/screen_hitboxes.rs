@@ -121,6 +121,16 @@ fn rotations() {
 fn bad_files_are_refused_in_one_line() {
     let cases = [
         ("no_json", "[", vec!["not JSON"]),
+        (
+            "twice",
+            r#"[{"body": 1, "body": 3, "spheres": [[0, 0, 0, 1]]}]"#,
+            vec!["\"body\" is given twice at line 1"],
+        ),
+        (
+            "twice_inside",
+            r#"[{"body": 3, "orientation": {"knots": [], "knots": []}}]"#,
+            vec!["\"knots\" is given twice"],
+        ),
         ("no_list", "{}", vec!["{} is not a list of entries"]),
         ("no_entry", "[7]", vec!["entry 0", "7 is no entry"]),
         (

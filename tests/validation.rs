@@ -7,10 +7,10 @@
 
 mod support;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, Error, Hitbox, Monitor, Outside, Quantity, Query, RevisionThreshold, Scene,
-    Sphere, State, TimeBase, Trajectory, Window,
+    AlertLevel, Body, Error, Hitbox, Monitor, Orientation, Outside, Quantity, Query,
+    RevisionThreshold, Scene, Sphere, State, TimeBase, Trajectory, Window,
 };
 
 fn state(time: f64, x: f64) -> State {
@@ -420,4 +420,37 @@ fn all_bodies_are_counted() {
     }
     let late = Query::new(Window::new(5.0, 9.0).unwrap());
     assert_eq!(scene.screen(&late).unwrap().stats.bodies, 20);
+}
+
+/// A value that has left the range of f64 is named as infinite, not as NaN or as that of another axis.
+#[test]
+fn what_leaves_the_range_is_named() {
+    let large = 1e100;
+    for axes in [DVec3::X, DVec3::Y, DVec3::ONE] {
+        let cubic = [DVec3::ZERO, large * axes, DVec3::ZERO, DVec3::ZERO];
+        for base in [TimeBase::Absolute, TimeBase::SegmentLocal] {
+            assert_eq!(
+                Trajectory::from_coefficients(&[0.0, 1e150], &[cubic], base),
+                Err(Error::OutOfRange {
+                    knot: 0,
+                    quantity: Quantity::Distance,
+                    value: f64::INFINITY
+                })
+            );
+        }
+    }
+    let turns = [0.0, 1e-320].map(|time| (time, DQuat::IDENTITY));
+    for refused in [
+        Orientation::slerp(&turns),
+        Orientation::normalized_cubic(&turns),
+    ] {
+        assert_eq!(
+            refused,
+            Err(Error::OutOfRange {
+                knot: 1,
+                quantity: Quantity::AngularSpeed,
+                value: f64::INFINITY
+            })
+        );
+    }
 }

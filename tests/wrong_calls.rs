@@ -175,7 +175,7 @@ const QUESTIONS: &[(Attempt, &str)] = &[
         scene.insert(body())?;
         done(scene.screen(&Query::default().with_max_spans(0))?)
     }, "too many pairs may be in conflict (with room for 0 of their spans): narrow the window (the lookahead) or the \
-        margin, or raise the limit"),
+        margin, or raise the limit (max_spans)"),
     (|| {
         let rests = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
         done(Scene::new().conflicts_with(&rests, &Query::default())?)

@@ -89,7 +89,7 @@ struct Task {
     #[arg(long, value_parser = terminal::whole(1..=CoverOptions::MOST_SPHERES), allow_negative_numbers = true)]
     spheres: usize,
     /// Another seed makes the search begin elsewhere.
-    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(0..=u64::MAX), default_value = "0", allow_negative_numbers = true)]
     seed: u64,
     /// Ends with one line of JSON.
     #[arg(long)]
@@ -165,10 +165,10 @@ fn run(kind: &Kind) -> Result<(), Failure> {
     writeln!(
         out,
         "spheres   certified overshoot             volume ratio   time\n\
-         {:>7}   {:>9.4} % {:>12.6} m   {:>12}   {:.2} s",
+         {:>7}   {:>9.4} % {:>12} m   {:>12}   {:.2} s",
         cover.spheres().len(),
         cover.overshoot_percent(),
-        cover.overshoot(),
+        length(cover.overshoot()),
         ratio.map_or("none".to_owned(), |ratio| format!("{ratio:.3}")),
         seconds,
     )?;
@@ -194,4 +194,13 @@ fn run(kind: &Kind) -> Result<(), Failure> {
         )?;
     }
     Ok(())
+}
+
+/// A length (m) with six decimals; as a power of ten where these would say nothing, or too much.
+fn length(metres: f64) -> String {
+    if metres == 0.0 || (1e-3..1e6).contains(&metres) {
+        format!("{metres:.6}")
+    } else {
+        format!("{metres:.4e}")
+    }
 }

@@ -89,7 +89,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Avoid::On)]
     avoid: Avoid,
     /// The same seed gives the same run.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(0..=u64::MAX), default_value = "1", allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     threads: Threads,

@@ -41,7 +41,7 @@ struct Arguments {
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// The same seed gives the same scene.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(0..=u64::MAX), default_value = "1", allow_negative_numbers = true)]
     seed: u64,
     /// Separation that counts as an encounter, m; the scene's own if not given.
     #[arg(long, value_parser = terminal::margin, allow_hyphen_values = true)]

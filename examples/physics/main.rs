@@ -68,7 +68,7 @@ struct Arguments {
     )]
     boxes: usize,
     /// The same seed gives the same run.
-    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(0..=u64::MAX), default_value = "1", allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     threads: Threads,

@@ -4,8 +4,11 @@ use crate::read::Labels;
 use crate::terminal::{self, quoted};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{Hitbox, Orientation, Sphere};
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Formatter};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -45,8 +48,10 @@ impl Hitboxes {
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let name = terminal::name(path);
         let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
-        let value: Value = serde_json::from_str(&text)
-            .map_err(|error| format!("{name}: not JSON: {error}: give a list of entries"))?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let explain = |error: serde_json::Error| format!("{name}: not JSON: {error}");
+        let value: Value = serde_json::from_str(text).map_err(explain)?;
+        serde_json::from_str::<UniqueNames>(text).map_err(|error| format!("{name}: {error}"))?;
         let Value::Array(list) = value else {
             return Err(format!(
                 "{name}: {} is not a list of entries: give [{{\"body\": ..., ...}}, ...]",
@@ -229,6 +234,64 @@ fn orientation_of(value: &Value) -> Result<Orientation, String> {
         }
     };
     turn.map_err(|error| problem(error.to_string()))
+}
+
+/// JSON in which no object has two members of one name: of these serde_json keeps the last one.
+struct UniqueNames;
+
+impl<'de> Deserialize<'de> for UniqueNames {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        source.deserialize_any(Self)
+    }
+}
+
+impl<'de> Visitor<'de> for UniqueNames {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "JSON")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Self, A::Error> {
+        let mut names = BTreeSet::new();
+        while let Some(name) = members.next_key::<String>()? {
+            let shown = quoted(name.as_bytes());
+            if !names.insert(name) {
+                return Err(Error::custom(format!("{shown} is given twice")));
+            }
+            members.next_value::<Self>()?;
+        }
+        Ok(self)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self, A::Error> {
+        while list.next_element::<Self>()?.is_some() {}
+        Ok(self)
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_u64<E>(self, _: u64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_unit<E>(self) -> Result<Self, E> {
+        Ok(self)
+    }
 }
 
 /// Refuses members of other names: a slip would go unnoticed.

@@ -3,6 +3,7 @@
 //! Options that take fractions allow all values with a hyphen: clap does not take `-1e-3` for a
 //! negative number.
 
+use super::number::shortest;
 use super::speech::complain;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser};
@@ -78,6 +79,7 @@ pub(crate) fn within(
         if range.contains(&number) {
             Ok(number)
         } else {
+            let [number, least, most] = [number, *least, *most].map(shortest);
             Err(format!("{number} is not in {least}..={most}"))
         }
     }

@@ -180,8 +180,14 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let json = arguments.json.as_deref().map(Product::at).transpose()?;
     if let Some(folder) = &arguments.pictures {
-        let explain = |error| format!("--pictures {}: {error}", terminal::name(folder));
-        std::fs::create_dir_all(folder).map_err(explain)?;
+        std::fs::create_dir_all(folder).map_err(|error| {
+            let name = terminal::name(folder);
+            if folder.exists() {
+                format!("--pictures {name}: is not a folder")
+            } else {
+                format!("--pictures {name}: {error}")
+            }
+        })?;
     }
     let pictures = arguments.pictures().into_iter();
     let pictures = pictures.map(|(name, file)| Ok((name, Product::at(&file)?)));

@@ -34,6 +34,8 @@ pub enum Quantity {
     Distance,
     /// A speed that follows from the input, or a bound of it, m/s.
     Speed,
+    /// A bound of the angular speed that follows from the times of rotations, rad/s.
+    AngularSpeed,
     /// An acceleration that follows from the input, or a bound of it, m/s².
     Acceleration,
 }
@@ -55,6 +57,7 @@ impl fmt::Display for Quantity {
             Self::AngularVelocity(axis) => write!(f, "angular velocity {}", AXES[axis]),
             Self::Distance => write!(f, "the distance covered"),
             Self::Speed => write!(f, "the speed"),
+            Self::AngularSpeed => write!(f, "the angular speed"),
             Self::Acceleration => write!(f, "the acceleration"),
         }
     }

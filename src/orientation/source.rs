@@ -221,12 +221,12 @@ fn checked_knots(knots: &[(f64, DQuat)]) -> Result<Vec<(f64, DQuat)>, Error> {
         let mut rotation = checked(knot, rotation)?;
         let time = without_negative_zero(time);
         if let Some(&(previous, before)) = found.last() {
-            let value = time - previous;
-            if value < f64::MIN_POSITIVE {
+            if time - previous < f64::MIN_POSITIVE {
+                // Its inverse has no number.
                 return Err(Error::OutOfRange {
                     knot,
-                    quantity: Quantity::Time,
-                    value,
+                    quantity: Quantity::AngularSpeed,
+                    value: f64::INFINITY,
                 });
             }
             let cosine = before.dot(rotation);

@@ -6,7 +6,7 @@ use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
 use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, end_cubic};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
-use crate::rounding::{UNIT_ROUNDOFF, largest_norm, norm, without_negative_zero};
+use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, without_negative_zero};
 use glam::DVec3;
 use std::slice::from_ref;
 
@@ -353,9 +353,12 @@ fn polynomial_segment(
         let time = time.abs();
         ((a * time + b) * time + c) * time + d
     };
-    let (shift, of_origin, terms) = match base {
-        TimeBase::Absolute => (start, UNIT_ROUNDOFF, size(start) + size(end)),
-        TimeBase::SegmentLocal => (0.0, 0.0, size(end - start)),
+    let (shift, of_origin, terms, reach) = match base {
+        TimeBase::Absolute => {
+            let reach = start.abs() + (end - start);
+            (start, UNIT_ROUNDOFF, size(start) + size(end), reach)
+        }
+        TimeBase::SegmentLocal => (0.0, 0.0, size(end - start), end - start),
     };
     let (shift, duration) = (shift.into(), DoubleDouble::difference(end, start));
     let mut origin = DVec3::ZERO;
@@ -372,10 +375,16 @@ fn polynomial_segment(
         control_points[1][axis] = (linear.twice() + quadratic).rounded() / 3.0;
         control_points[2][axis] = (linear + quadratic + cubic).rounded();
     }
+    // Products of times and a coefficient multiply what another product lost by underflow.
+    let reach = reach.max(1.0);
+    let growth = [reach * reach * reach, reach * reach, reach, 1.0];
+    let leading = polynomial.iter().position(|one| *one != DVec3::ZERO);
+    let underflow = UNDERFLOW * 64.0 * leading.map_or(1.0, |place| growth[place]);
     // One rounding of the origin where it was computed, one (and a third's) of each point, and
     // 2^-100 of everything that was added up, which covers the double-double arithmetic.
     let of_points = 4.0 * UNIT_ROUNDOFF * largest_norm(&control_points);
-    let error = of_origin * norm(origin) + of_points + 2f64.powi(-100) * (32.0 * terms);
+    let of_terms = 2f64.powi(-100) * (32.0 * terms) + underflow;
+    let error = of_origin * norm(origin) + of_points + of_terms;
     let unusable = [
         origin,
         control_points[0],
@@ -388,7 +397,12 @@ fn polynomial_segment(
         return Err(Error::OutOfRange {
             knot,
             quantity: Quantity::Distance,
-            value: point.abs().max_element(),
+            // A component that is not finite is NaN, or hides behind one that is.
+            value: if point.is_finite() {
+                point.abs().max_element()
+            } else {
+                f64::INFINITY
+            },
         });
     }
     Segment::from_control_points((start, end), origin, control_points, error, knot)

@@ -283,6 +283,9 @@ fn not_a_number(value: &[u8]) -> String {
         .map(|&byte| if byte == b',' { b'.' } else { byte })
         .collect();
     let shown = quoted(value);
+    if value.contains(&b'\n') {
+        return format!("{shown} spans rows: close its quotation mark");
+    }
     match finite(&pointed) {
         Some(_) => format!(
             "{shown} has a decimal comma; write {}",
