@@ -11,7 +11,7 @@ use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::{earliest_exact, exact_interval};
 use crate::scene::HeightRange;
 use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
@@ -78,8 +78,7 @@ impl HalfSpaceSearch {
         (found, most): (&mut Vec<SpanKey>, usize),
     ) -> Result<f64, LimitExceeded> {
         let most = found.len().saturating_add(most);
-        let horizon = latest_exact(to);
-        let since = earliest_exact(from);
+        let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed.
         let until = to + (to - from);
@@ -223,12 +222,7 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
             }
             let part = (since, self.until.max(since));
             if may_touch(a, b, span, self.bodies.margin, part) {
-                self.found.push(SpanKey {
-                    a: first,
-                    b: second,
-                    cubic_a: span.a,
-                    cubic_b: span.b,
-                });
+                self.found.push(SpanKey::of((first, second), span));
                 if is_turning && span.end > self.ahead {
                     // Of a span that may last for ever, a part is solved.
                     return self.ahead.max(since.next_up());

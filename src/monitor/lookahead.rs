@@ -35,7 +35,7 @@ use crate::rounding::earliest_exact;
 use crate::scene::Scene;
 use crate::search::{self, FEW_BOXES, Lifetimes, LimitExceeded, SpanSorter};
 use crate::shape::BodyShape;
-use crate::spans::SpanKey;
+use crate::spans::{SpanKey, common_part};
 use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
@@ -455,10 +455,8 @@ impl LookaheadSearch {
 
     /// Returns when both bodies of a pair exist, s, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
-        let (start_a, end_a) = self.monitored.domain(scene, a)?;
-        let (start_b, end_b) = self.monitored.domain(scene, b)?;
-        let (start, end) = (start_a.max(start_b), end_a.min(end_b));
-        (start <= end).then_some((start, end))
+        let [a, b] = [a, b].map(|slot| self.monitored.domain(scene, slot));
+        common_part(a?, b?)
     }
 }
 

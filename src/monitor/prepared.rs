@@ -2,6 +2,7 @@
 
 use super::bodies::BodyTable;
 use crate::broad_phase::Method;
+use crate::count::short;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::search::{
@@ -117,7 +118,7 @@ impl<'m> PreparedBodies<'m> {
             pool,
         };
         let some = |slots: &[usize]| {
-            let slots = slots.iter().filter_map(|&slot| u32::try_from(slot).ok());
+            let slots = slots.iter().map(|&slot| short(slot));
             slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);

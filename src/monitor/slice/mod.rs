@@ -8,6 +8,7 @@ mod state;
 use super::bodies::BodyTable;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
+use crate::count::short;
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -350,7 +351,7 @@ impl LookaheadSlice {
     /// time; returns the slot that comes next.
     fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
-        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let slots = (first..until).map(short);
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
