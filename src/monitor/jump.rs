@@ -57,11 +57,7 @@ impl JumpSearch {
         work: &mut TickWork<'_>,
         found: &mut Vec<SpanKey>,
     ) -> Result<Option<f64>, LimitExceeded> {
-        let TickWork {
-            admission,
-            meter,
-            stats,
-        } = work;
+        let (admission, meter) = (&work.admission, &mut work.meter);
         let progress = self.progress.get_or_insert(Progress {
             at: earliest_exact(from),
             chunk: length,
@@ -86,15 +82,15 @@ impl JumpSearch {
             if admission.gives_up() {
                 return Ok(Some(progress.at.max(from)));
             }
-            let work = counted.boxes + counted.candidates;
-            let work = usize::try_from(work).unwrap_or(usize::MAX);
+            let examined = counted.boxes + counted.candidates;
+            let examined = usize::try_from(examined).unwrap_or(usize::MAX);
             counted.slices = u64::from(slices.count());
-            *stats += counted;
-            meter.count(work.saturating_add(1));
+            work.stats += counted;
+            meter.count(examined.saturating_add(1));
             progress.at = end;
             progress.slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
-            let factor = if work < little { 2.0 } else { 0.5 };
+            let factor = if examined < little { 2.0 } else { 0.5 };
             progress.chunk = (factor * progress.chunk).max(length);
         }
         self.progress = None;

@@ -62,11 +62,7 @@ impl LookaheadSearch {
         needed: usize,
         work: &mut TickWork<'_>,
     ) -> Result<(), LimitExceeded> {
-        let TickWork {
-            admission,
-            meter,
-            stats,
-        } = work;
+        let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
         let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
         let table = BodyTable::of(admission.scene, &self.monitored, &self.grid, self.margin);
@@ -74,7 +70,7 @@ impl LookaheadSearch {
         let pool = &self.search_pool;
         let (bodies, statistics) = PreparedBodies::in_window(table, limits, pool, window);
         let cut = (&bodies.slices_of_search_length(window), &statistics);
-        stats.bounds_time += begin.elapsed();
+        work.stats.bounds_time += begin.elapsed();
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
         bodies.list_spans(cut, admission, parallel::threads(), found)?;
@@ -82,11 +78,11 @@ impl LookaheadSearch {
             return Ok(());
         }
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
-        *stats += counted;
+        work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {
             if number < needed {
                 slice.set_compared();
-                *stats += std::mem::take(&mut slice.stats);
+                work.stats += std::mem::take(&mut slice.stats);
             } else {
                 slice.note(self.changed.slots());
             }
