@@ -33,6 +33,8 @@ impl<T> fmt::Debug for Pool<T> {
     }
 }
 
+/// Scratch on loan from a pool.
+#[derive(Debug)]
 pub(crate) struct Pooled<'p, T: Default> {
     scratch: T,
     pool: &'p Pool<T>,

@@ -233,6 +233,12 @@ pub(crate) fn latest_exact(time: f64) -> f64 {
     time + INSTANT * time.abs()
 }
 
+/// Returns the interval of all exact instants (s) that may be reported from one instant to another.
+#[inline]
+pub(crate) fn exact_interval((from, to): (f64, f64)) -> (f64, f64) {
+    (earliest_exact(from), latest_exact(to))
+}
+
 /// Relative rounding of a reported instant: half a unit of its last place, and some spare. The
 /// error of the solver's local parameter is one of distance, which [`CLEARANCE`] covers.
 const INSTANT: f64 = 8.0 * UNIT_ROUNDOFF;

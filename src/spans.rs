@@ -2,6 +2,7 @@
 //!
 //! Spans depend on the two trajectories alone. A window selects spans; it never cuts one.
 
+use crate::count::short;
 use crate::knots::Knots;
 use std::cmp::Ordering;
 
@@ -25,6 +26,17 @@ pub(crate) struct SpanKey {
 }
 
 impl SpanKey {
+    /// Returns the key of a span of two bodies.
+    #[inline]
+    pub(crate) const fn of((a, b): (u32, u32), span: Span) -> Self {
+        Self {
+            a,
+            b,
+            cubic_a: span.a,
+            cubic_b: span.b,
+        }
+    }
+
     /// Returns the two bodies, each with the number of its cubic.
     pub(crate) const fn cubics(&self) -> [(u32, u32); 2] {
         [(self.a, self.cubic_a), (self.b, self.cubic_b)]
@@ -59,8 +71,17 @@ impl PartialOrd for SpanKey {
 
 /// Returns the interval in which both motions exist.
 pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> {
-    let ((start_a, end_a), (start_b, end_b)) = (a.ends(), b.ends());
-    let (start, end) = (start_a.max(start_b), end_a.min(end_b));
+    common_part(a.ends(), b.ends())
+}
+
+/// Returns the part of an interval (s) in which both motions exist.
+pub(crate) fn clip_of(a: &Knots<'_>, b: &Knots<'_>, interval: (f64, f64)) -> Option<(f64, f64)> {
+    common_part(common_domain(a, b)?, interval)
+}
+
+/// Returns the part that two intervals have in common; it may be a single instant.
+pub(crate) fn common_part(one: (f64, f64), other: (f64, f64)) -> Option<(f64, f64)> {
+    let (start, end) = (one.0.max(other.0), one.1.min(other.1));
     (start <= end).then_some((start, end))
 }
 
@@ -68,7 +89,7 @@ pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> 
 ///
 /// A motion with `n + 1` knots has cubics `0..n`. Touching counts as overlap.
 pub(crate) fn spans<'k>(a: &'k Knots<'k>, b: &'k Knots<'k>, from: f64, to: f64) -> Spans<'k> {
-    let first = |knots: &Knots<'_>| index(knots.count(|knot| knot < from).max(1) - 1);
+    let first = |knots: &Knots<'_>| short(knots.count(|knot| knot < from).max(1) - 1);
     spans_from(a, b, (first(a), first(b)), from, to)
 }
 
@@ -173,8 +194,8 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
                 return Some(Span {
                     start,
                     end,
-                    a: index(i),
-                    b: index(j),
+                    a: short(i),
+                    b: short(j),
                 });
             }
         }
@@ -183,12 +204,7 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
 
 fn cubic_at(knots: &Knots<'_>, time: f64) -> u32 {
     let after = knots.count(|knot| knot <= time);
-    index(after.clamp(1, knots.cubics()) - 1)
-}
-
-/// Converts the number of a cubic to 32 bits; a longer list does not fit into memory.
-fn index(cubic: usize) -> u32 {
-    u32::try_from(cubic).unwrap_or(u32::MAX)
+    short(after.clamp(1, knots.cubics()) - 1)
 }
 
 #[cfg(test)]

@@ -71,6 +71,11 @@ impl Window {
         self.end
     }
 
+    /// Returns both ends, s.
+    pub(crate) const fn ends(self) -> (f64, f64) {
+        (self.start, self.end)
+    }
+
     /// Returns true if both ends are finite.
     #[must_use]
     pub fn is_closed(self) -> bool {

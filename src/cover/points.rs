@@ -3,6 +3,7 @@
 //! All of this is for the search alone: proofs look at the surface itself.
 
 use super::surface::Surface;
+use crate::count::short;
 use crate::simd::{InstructionSet, Task};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -213,7 +214,7 @@ impl Samples {
                 let number = *numbers.entry(place).or_insert_with(|| {
                     samples.points.push(point);
                     samples.normals.push(normal);
-                    u32::try_from(samples.normals.len() - 1).unwrap_or(u32::MAX)
+                    short(samples.normals.len() - 1)
                 });
                 number_of.push(number);
             }

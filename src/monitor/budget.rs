@@ -1,5 +1,7 @@
 //! Limits of the work of a tick.
 
+use super::admission::SlotAdmission;
+use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use std::time::Duration;
 
@@ -25,6 +27,14 @@ pub enum Budget {
     /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
     /// machine and in every run. With 0 a monitor never catches up, however many ticks it makes.
     Work(u64),
+}
+
+/// The work of a tick: the pairs that it looks at, its limit, and what was done.
+#[derive(Debug)]
+pub(super) struct TickWork<'s> {
+    pub(super) admission: SlotAdmission<'s>,
+    pub(super) meter: BudgetMeter,
+    pub(super) stats: Stats,
 }
 
 /// The work done in a tick, and its limit.

@@ -214,22 +214,11 @@ impl Event {
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         let place = |event: &Self| match event.kind {
-            EventKind::PlanEnds { body, .. } => (body, body, 0, EncounterId(0)),
-            _ => event.kind.encounter().map_or(
-                (
-                    BodyId {
-                        slot: 0,
-                        generation: 0,
-                    },
-                    BodyId {
-                        slot: 0,
-                        generation: 0,
-                    },
-                    0,
-                    EncounterId(0),
-                ),
-                |encounter| (encounter.a, encounter.b, encounter.level, encounter.id),
-            ),
+            EventKind::PlanEnds { body, .. } => Some((body, body, 0, EncounterId(0))),
+            _ => {
+                let encounter = event.kind.encounter();
+                encounter.map(|one| (one.a, one.b, one.level, one.id))
+            }
         };
         self.time
             .total_cmp(&other.time)

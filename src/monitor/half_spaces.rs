@@ -5,13 +5,14 @@
 //! half-space changes, all bodies are: first by the ends of their straight motions, or the box of
 //! their plan, then span by span.
 
+use super::admission::SlotAdmission;
 use super::bodies::BodyTable;
-use super::budget::BudgetMeter;
+use super::budget::TickWork;
 use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::{earliest_exact, exact_interval};
 use crate::scene::HeightRange;
 use crate::search::LimitExceeded;
 use crate::spans::{SpanKey, spans};
@@ -69,17 +70,15 @@ impl HalfSpaceSearch {
     /// Lists the spans that are not listed yet in which a half-space and another body may be in
     /// contact from `from` to `to` (s), until the budget is spent. `ahead` is an instant up to which
     /// turning bodies are solved (s). Returns the instant up to which all are listed.
-    pub(super) fn look<F: PairFilter>(
+    pub(super) fn look(
         &mut self,
         bodies: &BodyTable<'_>,
         (from, to, ahead): (f64, f64, f64),
-        filter: &F,
-        meter: &mut BudgetMeter,
+        work: &mut TickWork<'_>,
         (found, most): (&mut Vec<SpanKey>, usize),
     ) -> Result<f64, LimitExceeded> {
         let most = found.len().saturating_add(most);
-        let horizon = latest_exact(to);
-        let since = earliest_exact(from);
+        let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed.
         let until = to + (to - from);
@@ -95,18 +94,18 @@ impl HalfSpaceSearch {
             ahead,
             since,
             until,
-            filter,
+            filter: &work.admission,
             found,
             most,
         };
         while let Some(&slot) = self.to_compare.get(self.next) {
-            if meter.is_spent() || filter.gives_up() {
+            if work.meter.is_spent() || search.filter.gives_up() {
                 return Ok(from);
             }
             let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
             self.next += 1;
-            meter.count(1);
+            work.meter.count(1);
         }
         self.to_compare.clear();
         self.next = 0;
@@ -117,21 +116,21 @@ impl HalfSpaceSearch {
         taken.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         let mut known = to;
         for &(since, slot) in &*taken {
-            if known < to || meter.is_spent() || filter.gives_up() {
+            if known < to || work.meter.is_spent() || search.filter.gives_up() {
                 known = known.min(earliest_exact(since).next_down().max(from));
                 self.due.set(slot, since);
                 continue;
             }
             let next = search.list(slot, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
-            meter.count(1);
+            work.meter.count(1);
         }
         Ok(known)
     }
 }
 
 /// The comparison of bodies with half-spaces.
-struct PlaneSearch<'s, F> {
+struct PlaneSearch<'s> {
     planes: &'s [u32],
     ground: &'s [Option<HeightRange>],
     bodies: &'s BodyTable<'s>,
@@ -141,13 +140,13 @@ struct PlaneSearch<'s, F> {
     since: f64,
     /// Instant up to which bodies are compared, s; or to the end of the last span that is listed.
     until: f64,
-    filter: &'s F,
+    filter: &'s SlotAdmission<'s>,
     found: &'s mut Vec<SpanKey>,
     /// Largest length of the list.
     most: usize,
 }
 
-impl<F: PairFilter> PlaneSearch<'_, F> {
+impl PlaneSearch<'_> {
     /// Lists the spans of a body from an instant (s) on. Returns when it is to be compared again,
     /// infinity if never.
     fn list(&mut self, slot: u32, since: f64) -> Result<f64, LimitExceeded> {
@@ -223,12 +222,7 @@ impl<F: PairFilter> PlaneSearch<'_, F> {
             }
             let part = (since, self.until.max(since));
             if may_touch(a, b, span, self.bodies.margin, part) {
-                self.found.push(SpanKey {
-                    a: first,
-                    b: second,
-                    cubic_a: span.a,
-                    cubic_b: span.b,
-                });
+                self.found.push(SpanKey::of((first, second), span));
                 if is_turning && span.end > self.ahead {
                     // Of a span that may last for ever, a part is solved.
                     return self.ahead.max(since.next_up());

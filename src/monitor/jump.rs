@@ -5,16 +5,14 @@
 //! time that it passed over is searched once, in chunks that grow as long as they take little work, each
 //! in slices that suit the bodies there. Results do not depend on these.
 
-use super::budget::BudgetMeter;
+use super::budget::TickWork;
 use super::prepared::PreparedBodies;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
-use crate::pool::Pool;
 use crate::rounding::earliest_exact;
-use crate::search::{LimitExceeded, Limits, SearchScratch};
+use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
-use crate::window::Window;
 
 /// A search over the time between the existing slices and the clock.
 #[derive(Debug, Default)]
@@ -52,14 +50,14 @@ impl JumpSearch {
     /// # Errors
     ///
     /// If there is too little room for what is found.
-    pub(super) fn cross<F: PairFilter>(
+    pub(super) fn cross(
         &mut self,
         (from, to, length): (f64, f64, f64),
-        (bodies, filter): (&PreparedBodies<'_>, &F),
-        (limits, pool): (Limits, &Pool<SearchScratch>),
-        meter: &mut BudgetMeter,
-        (found, stats): (&mut Vec<SpanKey>, &mut Stats),
+        bodies: &PreparedBodies<'_>,
+        work: &mut TickWork<'_>,
+        found: &mut Vec<SpanKey>,
     ) -> Result<Option<f64>, LimitExceeded> {
+        let (admission, meter) = (&work.admission, &mut work.meter);
         let progress = self.progress.get_or_insert(Progress {
             at: earliest_exact(from),
             chunk: length,
@@ -78,28 +76,21 @@ impl JumpSearch {
             }
             let end = (progress.at + progress.chunk).min(to.min(until));
             let window = (progress.at, end);
-            let slices = bodies.cheapest_slices(window, progress.slice, pool);
-            let statistics = bodies.statistics(window);
-            let mut counted = Stats::default();
-            let search = bodies.search(Window::ALL, limits, (pool, threads));
-            search.spans(
-                (&slices, &statistics),
-                filter,
-                &|_| {},
-                (&mut *found, &mut counted),
-            )?;
-            if filter.gives_up() {
+            let (slices, statistics) = bodies.cheapest_slices(window, progress.slice);
+            let (cut, mut counted) = ((&slices, &statistics), Stats::default());
+            bodies.list_spans(cut, admission, threads, (&mut *found, &mut counted))?;
+            if admission.gives_up() {
                 return Ok(Some(progress.at.max(from)));
             }
-            let work = counted.boxes + counted.candidates;
-            let work = usize::try_from(work).unwrap_or(usize::MAX);
+            let examined = counted.boxes + counted.candidates;
+            let examined = usize::try_from(examined).unwrap_or(usize::MAX);
             counted.slices = u64::from(slices.count());
-            *stats += counted;
-            meter.count(work.saturating_add(1));
+            work.stats += counted;
+            meter.count(examined.saturating_add(1));
             progress.at = end;
             progress.slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
-            let factor = if work < little { 2.0 } else { 0.5 };
+            let factor = if examined < little { 2.0 } else { 0.5 };
             progress.chunk = (factor * progress.chunk).max(length);
         }
         self.progress = None;

@@ -17,13 +17,14 @@ mod from_nothing;
 mod time_grid;
 
 use super::bodies::{BodyTable, ChangedBounds};
-use super::budget::BudgetMeter;
+use super::budget::TickWork;
 use super::grid::Grid;
 use super::half_spaces::HalfSpaceSearch;
 use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch, SliceTask};
+use super::slot_set::SlotSet;
 use super::solved_spans::{SlotPair, SolvedSpans};
 use crate::bounds::{Frame, Padding};
 use crate::broad_phase::PairFilter;
@@ -33,9 +34,9 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::earliest_exact;
 use crate::scene::Scene;
-use crate::search::{self, FEW_BOXES, Lifetimes, LimitExceeded, SpanSorter};
+use crate::search::{FEW_BOXES, LimitExceeded, SearchScratch, SpanSorter};
 use crate::shape::BodyShape;
-use crate::spans::SpanKey;
+use crate::spans::{SpanKey, common_part};
 use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
@@ -63,11 +64,9 @@ pub(super) struct LookaheadSearch {
     survivors: Vec<SpanKey>,
     sorter: SpanSorter,
     pool: Pool<SliceScratch>,
-    search_pool: Pool<search::SearchScratch>,
-    lifetimes: Lifetimes,
+    search_pool: Pool<SearchScratch>,
     /// Bodies that changed since the last catching up, each once.
-    changed: Vec<u32>,
-    is_changed: Vec<bool>,
+    changed: SlotSet,
     /// Boxes of these bodies, for questions between ticks.
     recent: RecentChanges,
     /// Pairs that are ignored since the last catching up.
@@ -105,9 +104,7 @@ impl LookaheadSearch {
             sorter: SpanSorter::default(),
             pool: Pool::default(),
             search_pool: Pool::default(),
-            lifetimes: Lifetimes::default(),
-            changed: Vec::new(),
-            is_changed: Vec::new(),
+            changed: SlotSet::default(),
             recent: RecentChanges::default(),
             left_out: Vec::new(),
             moved: ChangedBounds::default(),
@@ -126,7 +123,7 @@ impl LookaheadSearch {
 
     /// Returns true if anything has changed since the last catching up.
     pub(super) const fn has_changed(&self) -> bool {
-        !(self.changed.is_empty() && self.left_out.is_empty())
+        !(self.changed.slots().is_empty() && self.left_out.is_empty())
     }
 
     /// Returns the largest margin of pairs (m), and the frame of boxes.
@@ -201,18 +198,13 @@ impl LookaheadSearch {
     pub(super) fn mark_all_changed(&mut self, slots: impl Iterator<Item = u32>) -> usize {
         let mut count = 0;
         for slot in slots {
-            let place = slot as usize;
-            if self.is_changed.len() <= place {
-                self.is_changed.resize(place + 1, false);
-            }
-            if !std::mem::replace(&mut self.is_changed[place], true) {
-                self.changed.push(slot);
-            }
+            self.changed.insert(slot);
             self.recent.push(slot);
             count += 1;
         }
-        if self.recent.len() > Self::MANY_CHANGES + 2 * self.changed.len() {
-            self.recent.reset(&self.changed);
+        let changed = self.changed.slots();
+        if self.recent.len() > Self::MANY_CHANGES + 2 * changed.len() {
+            self.recent.reset(changed);
         }
         count
     }
@@ -222,18 +214,14 @@ impl LookaheadSearch {
         if !self.has_changed() {
             return;
         }
-        let (is_changed, left_out) = (&self.is_changed, &mut self.left_out);
-        let is_changed = |slot: u32| is_changed.get(slot as usize) == Some(&true);
+        let (changed, left_out) = (&self.changed, &mut self.left_out);
         left_out.sort_unstable();
         self.solved.forget(|pair| {
             let is_left_out = !left_out.is_empty() && left_out.binary_search(&pair).is_ok();
-            is_changed(pair.0) || is_changed(pair.1) || is_left_out
+            changed.has(pair.0) || changed.has(pair.1) || is_left_out
         });
         left_out.clear();
         self.recent.reset(&[]);
-        for &slot in &self.changed {
-            self.is_changed[slot as usize] = false;
-        }
     }
 
     /// Returns the instant (s) to which plans must be followed for a lookahead that ends at `end`: the end of
@@ -254,16 +242,14 @@ impl LookaheadSearch {
     /// # Errors
     ///
     /// If there is too little room. Then what is known is not complete: all is to be looked for anew.
-    pub(super) fn catch_up<F: PairFilter>(
+    pub(super) fn catch_up(
         &mut self,
-        scene: &Scene,
         (from, to): (f64, f64),
-        filter: &F,
-        meter: &mut BudgetMeter,
-        stats: &mut Stats,
+        work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
+        let scene = work.admission.scene;
         self.spread_changes();
-        self.half_spaces.note(&self.monitored, &self.changed);
+        self.half_spaces.note(&self.monitored, self.changed.slots());
         loop {
             self.survivors.clear();
             let mut known = to;
@@ -273,12 +259,10 @@ impl LookaheadSearch {
                 let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
                 let times = (from, to, self.plans_needed_until(to));
                 let found = (&mut self.survivors, self.max_spans);
-                known = self
-                    .half_spaces
-                    .look(&bodies, times, filter, meter, found)?;
-                stats.narrow_time += begin.elapsed();
+                known = self.half_spaces.look(&bodies, times, work, found)?;
+                work.stats.narrow_time += begin.elapsed();
             }
-            let (compared_until, is_done) = self.look(scene, (from, to), filter, meter, stats)?;
+            let (compared_until, is_done) = self.look((from, to), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -288,10 +272,10 @@ impl LookaheadSearch {
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
             let window = (from, self.plans_needed_until(to));
-            stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
-            stats.narrow_time += begin.elapsed();
+            work.stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
+            work.stats.narrow_time += begin.elapsed();
             if is_done {
-                return Ok(meter.until().unwrap_or(complete_until));
+                return Ok(work.meter.until().unwrap_or(complete_until));
             }
         }
     }
@@ -303,140 +287,177 @@ impl LookaheadSearch {
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. Lists survivors, as
     /// many as are solved at a time. Returns the instant up to which all is up to date, and false if another call is to
     /// go on once these survivors are solved.
-    fn look<F: PairFilter>(
+    fn look(
         &mut self,
-        scene: &Scene,
         (mut from, to): (f64, f64),
-        filter: &F,
-        meter: &mut BudgetMeter,
-        stats: &mut Stats,
+        work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let present = self.start(self.index(to - self.grid.slice_count * self.grid.length));
         let jump = (self.laid_until(from), present);
         if self.jump.is_needed(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
             self.spare.extend(self.slices.drain(..));
-            let jump = (from, present);
-            if let Some(stop) = self.cross(scene, jump, filter, meter, stats)? {
+            if let Some(stop) = self.cross((from, present), work)? {
                 return Ok((stop, true));
             }
             from = present;
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if meter.is_unlimited() && self.is_unknown_again(needed) {
-            self.screen(scene, (from, needed), filter, (&mut *meter, &mut *stats))?;
-            if !filter.gives_up() {
+        if work.meter.is_unlimited() && self.is_unknown_again(needed) {
+            self.screen(from, needed, work)?;
+            if !work.admission.gives_up() {
                 self.last_end = to;
                 return Ok((to, true));
             }
         }
         for slice in &mut self.slices {
-            slice.note(&self.changed);
+            slice.note(self.changed.slots());
         }
-        self.refresh(scene, (from, to), needed, filter, meter, stats)
+        self.refresh((from, to), needed, work)
     }
 
     /// Compares what has not been compared in each slice from `from` to `to` (s), and what is due of the next
-    /// one. The first `needed` slices are needed.
-    fn refresh<F: PairFilter>(
+    /// one. The first `needed` slices are needed. The result is that of [`look`](Self::look).
+    fn refresh(
         &mut self,
-        scene: &Scene,
         (from, to): (f64, f64),
         needed: usize,
-        filter: &F,
-        meter: &mut BudgetMeter,
-        stats: &mut Stats,
+        work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
-        let alone = SliceTask {
-            bodies: &bodies,
-            filter,
-            moved: None,
-            limits: self.limits(),
-        };
         let slices = self.slices.make_contiguous();
-        // An instant that is reported as the start of a slice may be found in that slice.
-        let before = |slice: &LookaheadSlice| {
-            let start = self.grid.start(slice.number).max(from);
-            earliest_exact(start).next_down().max(from).min(to)
-        };
-        let (mut known, mut is_done) = (to, true);
         slices[..needed].iter_mut().for_each(LookaheadSlice::need);
         if let [.., last, next] = slices {
             // It is due when the lookahead's end has passed through the last one.
             let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.last_end) / self.grid.length;
-            let changed = (self.changed.len(), self.monitored.len());
+            let changed = (self.changed.slots().len(), self.monitored.len());
             next.foresee(due_ahead(share, step, changed), last);
         }
         self.last_end = to;
-        let stale = slices.iter().filter(|slice| !slice.is_fresh(&bodies));
-        let is_parallel = meter.is_unlimited() && stale.count() > 1;
-        if is_parallel {
-            let begin = Instant::now();
-            let is_boxed = slices[..needed].iter().any(LookaheadSlice::is_placed);
-            let changed = if is_boxed { &self.changed[..] } else { &[] };
-            self.moved.form(&bodies, changed, &self.ends);
-            stats.bounds_time += begin.elapsed();
-            let (moved, first) = (&self.moved, slices[0].number);
-            let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
-            let (found, most, pool) = (AtomicUsize::new(0), self.max_spans, &self.pool);
-            parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |_, slices| {
-                for slice in slices {
-                    if found.load(Relaxed) > most {
-                        // The survivors found so far are solved first: there may be no room for more.
-                        return;
-                    }
-                    let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
-                    let moved = (number < needed).then_some((moved, number));
-                    let task = SliceTask { moved, ..alone };
-                    slice.refresh(&task, &mut pool.take(), |_| true);
-                    // More than there is room for, if the slice has none.
-                    let beyond = slice.check_room().map_or(most, |()| 0);
-                    found.fetch_add(beyond + slice.survivors.len(), Relaxed);
-                }
-            });
-            is_done = found.into_inner() <= most;
-            // The filter may have given up.
-            let mut stale = slices[..needed]
-                .iter()
-                .filter(|slice| !slice.is_fresh(&bodies));
-            known = stale.next().map_or(to, before);
+        let bodies = self.bodies(work.admission.scene);
+        let stale = self.slices.iter().filter(|slice| !slice.is_fresh(&bodies));
+        let is_shared = work.meter.is_unlimited() && stale.count() > 1;
+        let (stop, is_done) = if is_shared {
+            self.refresh_together(needed, work)
         } else {
-            let mut found = 0;
-            for (number, slice) in slices.iter_mut().enumerate() {
-                if found > self.max_spans {
-                    is_done = false;
-                    break;
+            self.refresh_one_by_one(from, needed, work)
+        };
+        // An instant that is reported as the start of a slice may be found in that slice.
+        let known = stop.map_or(to, |number| {
+            let start = self.grid.start(number).max(from);
+            earliest_exact(start).next_down().max(from).min(to)
+        });
+        let done = |stats: &Stats| stats.boxes + stats.candidates;
+        let before = done(&work.stats);
+        self.take_survivors(needed, &mut work.stats)?;
+        if is_shared {
+            let count = done(&work.stats) - before;
+            work.meter.count(usize::try_from(count).unwrap_or(0));
+        }
+        Ok((known, is_done))
+    }
+
+    /// Compares what is due in all slices, on all threads. Returns the number of the first needed slice that is not
+    /// up to date; and false if survivors are to be solved before the rest.
+    fn refresh_together(&mut self, needed: usize, work: &mut TickWork<'_>) -> (Option<i64>, bool) {
+        let (limits, most) = (self.limits(), self.max_spans);
+        let scene = work.admission.scene;
+        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let slices = self.slices.make_contiguous();
+        let begin = Instant::now();
+        let is_boxed = slices[..needed].iter().any(LookaheadSlice::is_placed);
+        let changed = if is_boxed { self.changed.slots() } else { &[] };
+        self.moved.form(&bodies, changed, &self.ends);
+        work.stats.bounds_time += begin.elapsed();
+        let alone = SliceTask {
+            bodies: &bodies,
+            filter: &work.admission,
+            moved: None,
+            limits,
+            pool: &self.search_pool,
+        };
+        let (moved, first) = (&self.moved, slices[0].number);
+        let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
+        let (found, pool) = (AtomicUsize::new(0), &self.pool);
+        parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |_, slices| {
+            for slice in slices {
+                if found.load(Relaxed) > most {
+                    // The survivors found so far are solved first: there may be no room for more.
+                    return;
                 }
-                let start = self.grid.start(slice.number);
-                let start = start.max(from);
-                let is_needed = number < needed;
-                if is_needed && meter.until().is_some_and(|until| start >= until) {
-                    break;
-                }
-                if slice.is_fresh(&bodies) {
-                    continue;
-                }
-                if !meter.is_spent() {
-                    let scratch = &mut self.pool.take();
-                    slice.refresh(&alone, scratch, |work| {
-                        meter.count(work);
-                        !meter.is_spent()
-                    });
-                }
-                found += slice.survivors.len();
-                if is_needed && !slice.is_fresh(&bodies) {
-                    known = before(slice);
-                    break;
-                }
+                let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
+                let moved = (number < needed).then_some((moved, number));
+                let task = SliceTask { moved, ..alone };
+                slice.refresh(&task, &mut pool.take(), |_| true);
+                // More than there is room for, if the slice has none.
+                let beyond = slice.check_room().map_or(most, |()| 0);
+                found.fetch_add(beyond + slice.survivors.len(), Relaxed);
+            }
+        });
+        // The filter may have given up.
+        let stale = slices[..needed]
+            .iter()
+            .find(|slice| !slice.is_fresh(&bodies));
+        (stale.map(|slice| slice.number), found.into_inner() <= most)
+    }
+
+    /// Compares what is due in all slices from `from` (s) on, soonest first, until the budget is spent. Returns what
+    /// [`refresh_together`](Self::refresh_together) does.
+    fn refresh_one_by_one(
+        &mut self,
+        from: f64,
+        needed: usize,
+        work: &mut TickWork<'_>,
+    ) -> (Option<i64>, bool) {
+        let limits = self.limits();
+        let scene = work.admission.scene;
+        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let task = SliceTask {
+            bodies: &bodies,
+            filter: &work.admission,
+            moved: None,
+            limits,
+            pool: &self.search_pool,
+        };
+        let meter = &mut work.meter;
+        let mut found = 0;
+        for (number, slice) in self.slices.iter_mut().enumerate() {
+            if found > self.max_spans {
+                return (None, false);
+            }
+            let start = self.grid.start(slice.number).max(from);
+            let is_needed = number < needed;
+            if is_needed && meter.until().is_some_and(|until| start >= until) {
+                break;
+            }
+            if slice.is_fresh(&bodies) {
+                continue;
+            }
+            if !meter.is_spent() {
+                slice.refresh(&task, &mut self.pool.take(), |work| {
+                    meter.count(work);
+                    !meter.is_spent()
+                });
+            }
+            found += slice.survivors.len();
+            if is_needed && !slice.is_fresh(&bodies) {
+                return (Some(slice.number), true);
             }
         }
-        // What is found ahead of time must leave room for what is needed.
+        (None, true)
+    }
+
+    /// Takes the survivors and the counts out of all slices. What is found ahead of time must leave room for what is
+    /// needed.
+    ///
+    /// # Errors
+    ///
+    /// If a needed slice was given up for lack of room.
+    fn take_survivors(&mut self, needed: usize, stats: &mut Stats) -> Result<(), LimitExceeded> {
         let room = (self.max_spans / 2).saturating_sub(self.solved.len());
-        for (number, slice) in slices.iter_mut().enumerate() {
+        for (number, slice) in self.slices.iter_mut().enumerate() {
             let has_room = slice.check_room();
             if number >= needed && (has_room.is_err() || slice.survivors.len() > room) {
                 slice.put_off();
@@ -444,21 +465,15 @@ impl LookaheadSearch {
             }
             has_room?;
             self.survivors.append(&mut slice.survivors);
-            if is_parallel {
-                let stats = &slice.stats;
-                meter.count(usize::try_from(stats.boxes + stats.candidates).unwrap_or(0));
-            }
             *stats += std::mem::take(&mut slice.stats);
         }
-        Ok((known, is_done))
+        Ok(())
     }
 
     /// Returns when both bodies of a pair exist, s, as far back as they are known.
     pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
-        let (start_a, end_a) = self.monitored.domain(scene, a)?;
-        let (start_b, end_b) = self.monitored.domain(scene, b)?;
-        let (start, end) = (start_a.max(start_b), end_a.min(end_b));
-        (start <= end).then_some((start, end))
+        let [a, b] = [a, b].map(|slot| self.monitored.domain(scene, slot));
+        common_part(a?, b?)
     }
 }
 

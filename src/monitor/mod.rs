@@ -2,6 +2,7 @@
 //!
 //! Words that are used beyond one file are defined in [`internals`](crate::internals).
 
+mod admission;
 mod alert_level;
 mod bodies;
 mod boxes;
@@ -27,6 +28,7 @@ pub(crate) mod recording;
 mod restore;
 mod revision_threshold;
 mod slice;
+mod slot_set;
 mod snapshot;
 mod solved_conflict;
 mod solved_spans;
@@ -43,7 +45,6 @@ pub use event::{Encounter, EncounterId, EndReason, Event, EventKind};
 pub use revision_threshold::RevisionThreshold;
 pub use snapshot::Snapshot;
 
-use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
@@ -59,7 +60,7 @@ use read::LevelCaches;
 #[cfg(feature = "recording")]
 use recording::Record;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use told_motions::ToldMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events. No event is
@@ -169,39 +170,6 @@ pub struct Monitor {
     interrupt: Option<Arc<AtomicBool>>,
     #[cfg(feature = "recording")]
     recorder: Option<recording::RecordWriter>,
-}
-
-/// The filter of pairs of slots, by layers and ignored pairs.
-struct SlotAdmission<'s> {
-    scene: &'s Scene,
-    /// The widest margin, m.
-    margin: f64,
-    /// True if each two bodies may be a pair.
-    admits_all: bool,
-    /// Set from another thread to end the tick early: the filter gives up then.
-    interrupt: Option<&'s AtomicBool>,
-}
-
-impl<'s> SlotAdmission<'s> {
-    fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s AtomicBool>) -> Self {
-        Self {
-            scene,
-            margin,
-            admits_all: scene.admits_all(margin),
-            interrupt,
-        }
-    }
-}
-
-impl PairFilter for SlotAdmission<'_> {
-    fn admits(&self, a: u32, b: u32) -> bool {
-        self.admits_all || self.scene.admits(a, b, self.margin)
-    }
-
-    fn gives_up(&self) -> bool {
-        let is_set = |interrupt: &AtomicBool| interrupt.load(Ordering::Relaxed);
-        self.interrupt.is_some_and(is_set)
-    }
 }
 
 impl Monitor {

@@ -2,6 +2,7 @@
 //! lookahead reaches, and some way beyond.
 
 use crate::bounds::{Frame, Padding};
+use crate::count::short;
 use crate::error::Error;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
@@ -97,7 +98,7 @@ impl MonitoredBody {
         let knots = Knots::of(trajectory.cuts());
         self.begin = window.start();
         self.ends = knots.ends();
-        self.cubics = u32::try_from(knots.cubics()).unwrap_or(u32::MAX);
+        self.cubics = short(knots.cubics());
     }
 
     /// Returns the instant up to which a plan without end is followed, s; infinite for a plan with an end.

@@ -1,40 +1,58 @@
 //! All bodies of a monitor, for searches from nothing.
 
+use super::admission::SlotAdmission;
 use super::bodies::BodyTable;
 use crate::broad_phase::Method;
+use crate::count::short;
 use crate::parallel;
-use crate::pool::Pool;
+use crate::pool::{Pool, Pooled};
 use crate::search::{
-    Lifetimes, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
+    LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
 };
 use crate::simd::InstructionSet;
+use crate::spans::SpanKey;
+use crate::stats::Stats;
 use crate::window::Window;
 
 /// All bodies by slot, and the intervals in which they exist; a slot without a body never does.
 #[derive(Debug)]
 pub(super) struct PreparedBodies<'m> {
     table: BodyTable<'m>,
-    lifetimes: Lifetimes,
+    limits: Limits,
+    pool: &'m Pool<SearchScratch>,
+    /// Holds the lifetimes.
+    memory: Pooled<'m, SearchScratch>,
 }
 
 impl<'m> PreparedBodies<'m> {
-    /// Lists when all bodies exist, in memory that is given back with [`forget`](Self::forget).
-    pub(super) fn of(table: BodyTable<'m>, memory: &mut Lifetimes) -> Self {
-        let mut lifetimes = std::mem::take(memory);
-        lifetimes.fill(table.monitored.lives());
-        Self { table, lifetimes }
+    /// Lists when all bodies exist, in memory of a pool.
+    pub(super) fn of(table: BodyTable<'m>, limits: Limits, pool: &'m Pool<SearchScratch>) -> Self {
+        let mut bodies = Self::unlisted(table, limits, pool);
+        bodies.memory.lifetimes.fill(table.monitored.lives());
+        bodies
+    }
+
+    fn unlisted(table: BodyTable<'m>, limits: Limits, pool: &'m Pool<SearchScratch>) -> Self {
+        Self {
+            table,
+            limits,
+            pool,
+            memory: pool.take(),
+        }
     }
 
     /// Lists when all bodies exist, and returns the statistics of a window (s): the bodies are read once.
     pub(super) fn in_window(
         table: BodyTable<'m>,
-        memory: &mut Lifetimes,
+        limits: Limits,
+        pool: &'m Pool<SearchScratch>,
         window: (f64, f64),
     ) -> (Self, SceneStatistics) {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let mut statistics = SceneStatistics::default();
-        let mut lifetimes = std::mem::take(memory);
+        let mut bodies = Self::unlisted(table, limits, pool);
+        let lifetimes = &mut bodies.memory.lifetimes;
         let (monitored, count) = (table.monitored, table.monitored.len());
         if parallel::threads() > 1 && count > 2 * SHARE {
             let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
@@ -62,38 +80,35 @@ impl<'m> PreparedBodies<'m> {
                 body.0
             }));
         }
-        (Self { table, lifetimes }, statistics)
-    }
-
-    /// Leaves the memory for other ones.
-    pub(super) fn forget(self, memory: &mut Lifetimes) {
-        *memory = self.lifetimes;
+        (bodies, statistics)
     }
 
     /// Returns the number of slots.
-    pub(super) const fn len(&self) -> usize {
-        self.lifetimes.len()
+    pub(super) fn len(&self) -> usize {
+        self.memory.lifetimes.len()
     }
 
-    /// Returns a search over some time (s) on so many threads.
-    pub(super) fn search<'s>(
-        &'s self,
-        window: Window,
-        limits: Limits,
-        (pool, threads): (&'s Pool<SearchScratch>, usize),
-    ) -> WindowSearch<'s, BodyTable<'m>> {
-        WindowSearch {
+    /// Appends the spans in some slices to a list, as [`WindowSearch::spans`] does, on so many threads.
+    pub(super) fn list_spans(
+        &self,
+        cut: (&TimeSlices, &SceneStatistics),
+        filter: &SlotAdmission<'_>,
+        threads: usize,
+        found: (&mut Vec<SpanKey>, &mut Stats),
+    ) -> Result<(), LimitExceeded> {
+        let search = WindowSearch {
             bodies: self.table,
-            lifetimes: &self.lifetimes,
+            lifetimes: &self.memory.lifetimes,
             frame: self.table.frame,
-            window,
+            window: Window::ALL,
             margin: self.table.margin,
-            limits,
+            limits: self.limits,
             method: Method::Sweep,
             instructions: InstructionSet::best(),
-            pool,
+            pool: self.pool,
             threads,
-        }
+        };
+        search.spans(cut, filter, &|_| {}, found)
     }
 
     /// Returns a window (s) in slices of the grid's `search_length`, which suits the whole lookahead.
@@ -101,34 +116,34 @@ impl<'m> PreparedBodies<'m> {
         TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).round())
     }
 
-    /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s).
+    /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s); and the
+    /// statistics of the window.
     pub(super) fn cheapest_slices(
         &self,
         (from, to): (f64, f64),
         length: f64,
-        pool: &Pool<SearchScratch>,
-    ) -> TimeSlices {
+    ) -> (TimeSlices, SceneStatistics) {
         let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {
-            lifetimes: &self.lifetimes,
+            lifetimes: &self.memory.lifetimes,
             frame: self.table.frame,
             instructions: InstructionSet::best(),
-            pool,
+            pool: self.pool,
         };
         let some = |slots: &[usize]| {
-            let slots = slots.iter().filter_map(|&slot| u32::try_from(slot).ok());
+            let slots = slots.iter().map(|&slot| short(slot));
             slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
-        trials.cheapest(slices, &statistics, &some)
+        (trials.cheapest(slices, &statistics, &some), statistics)
     }
 
     /// Returns the statistics of a window (s) on which the number of slices depends.
     pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
         let bodies = self.table.monitored.cubics();
-        for (&life, cubics) in self.lifetimes.lives().iter().zip(bodies) {
+        for (&life, cubics) in self.memory.lifetimes.lives().iter().zip(bodies) {
             add(&mut statistics, (life, cubics), window);
         }
         statistics

@@ -3,7 +3,9 @@
 //! The clock and the events change at the end, after all that can fail. A tick that fails reports nothing and
 //! leaves the clock where it was; what its search has found may stay.
 
-use super::budget::{Budget, BudgetMeter};
+use super::Monitor;
+use super::admission::SlotAdmission;
+use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
 use super::encounters::TickContext;
 use super::event::{EndReason, Event, EventKind};
@@ -12,7 +14,6 @@ use super::read::{LevelCaches, ReadContext};
 use super::reading::{EncounterCache, WindowEdges};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::{Monitor, SlotAdmission};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::parallel;
 use crate::rounding::without_negative_zero;
@@ -105,53 +106,36 @@ impl Monitor {
         done
     }
 
-    fn tick(
-        &mut self,
-        now: f64,
-        mut meter: BudgetMeter,
-        events: &mut Vec<Event>,
-    ) -> Result<(), Error> {
+    fn tick(&mut self, now: f64, meter: BudgetMeter, events: &mut Vec<Event>) -> Result<(), Error> {
         let begin = Instant::now();
         let now = without_negative_zero(now);
         self.check_clock(now)?;
         if now <= self.now && self.has_reported_all() {
-            self.stats = Stats {
-                bodies: self.scene.len() as u64,
-                conflicts: self.stats.conflicts,
-                total_time: begin.elapsed(),
-                ..Stats::default()
-            };
-            #[cfg(feature = "recording")]
-            let known = self.known;
-            #[cfg(feature = "recording")]
-            self.write_down(|| Record::Tick {
-                now,
-                known,
-                work: 0,
-            });
+            self.stand_still(begin);
             return Ok(());
         }
         let end = now + self.lookahead;
         self.choose_grid(now, meter.is_unlimited() && self.reported >= self.now)?;
         self.search.extend_beyond(&self.scene, end)?;
-        let mut stats = Stats {
-            bodies: self.scene.len() as u64,
-            changed: self.changed_bodies,
-            ..Stats::default()
-        };
         let (margin, _) = self.search.margin_and_frame();
-        let admission = SlotAdmission::of(&self.scene, margin, self.interrupt.as_deref());
+        let mut work = TickWork {
+            admission: SlotAdmission::of(&self.scene, margin, self.interrupt.as_deref()),
+            meter,
+            stats: Stats {
+                bodies: self.scene.len() as u64,
+                changed: self.changed_bodies,
+                ..Stats::default()
+            },
+        };
         let (known, ()) = parallel::join(
             self.batch.changed.len(),
             CommandBatch::FEW,
-            || {
-                let window = (self.reported, end);
-                let (meter, stats) = (&mut meter, &mut stats);
-                self.search
-                    .catch_up(&self.scene, window, &admission, meter, stats)
-            },
+            || self.search.catch_up((self.reported, end), &mut work),
             || self.batch.clear(),
         );
+        let TickWork { mut stats, .. } = work;
+        #[cfg(feature = "recording")]
+        let work = work.meter.done();
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.look_anew()?;
@@ -181,12 +165,23 @@ impl Monitor {
         stats.total_time = begin.elapsed();
         self.stats = stats;
         #[cfg(feature = "recording")]
-        self.write_down(|| Record::Tick {
-            now,
-            known,
-            work: meter.done(),
-        });
+        self.write_down(|| Record::Tick { now, known, work });
         Ok(())
+    }
+
+    /// Ends a tick, begun at some time, that has nothing to do.
+    fn stand_still(&mut self, begin: Instant) {
+        self.stats = Stats {
+            bodies: self.scene.len() as u64,
+            conflicts: self.stats.conflicts,
+            total_time: begin.elapsed(),
+            ..Stats::default()
+        };
+        #[cfg(feature = "recording")]
+        {
+            let (now, known, work) = (self.now, self.known, 0);
+            self.write_down(|| Record::Tick { now, known, work });
+        }
     }
 
     /// Checks that the clock can go on to `now` (s).

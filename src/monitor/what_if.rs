@@ -1,6 +1,7 @@
 //! `what_if`: the conflicts that a hypothetical plan would cause.
 
-use super::{Monitor, SlotAdmission};
+use super::Monitor;
+use super::admission::SlotAdmission;
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::Error;

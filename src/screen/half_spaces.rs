@@ -5,12 +5,12 @@
 
 use super::prepared::PreparedScene;
 use crate::broad_phase::PairFilter;
+use crate::count::short;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
-use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::HeightRange;
 use crate::search::{Bodies, LimitExceeded};
-use crate::spans::{SpanKey, common_domain, spans};
+use crate::spans::{SpanKey, clip_of, spans};
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -40,9 +40,7 @@ impl PreparedScene<'_> {
         /// Bodies that one thread compares at a time.
         const CHUNK: usize = 1024;
         let planes: Vec<Plane<'_>> = self.planes(bodies).collect();
-        // Places are counted in 32 bits.
-        let bodies_in_all = u32::try_from(self.entries.len()).unwrap_or(u32::MAX);
-        let places: Vec<u32> = (0..bodies_in_all).collect();
+        let places: Vec<u32> = (0..short(self.entries.len())).collect();
         let chunks: Vec<&[u32]> = places.chunks(CHUNK).collect();
         // Spans of all threads: an endless list would take all memory.
         let count = AtomicUsize::new(found.len());
@@ -115,32 +113,17 @@ impl PreparedScene<'_> {
         } else {
             (&plane.view, &view)
         };
-        let Some((start, end)) = common_domain(&a.knots, &b.knots) else {
+        let Some((from, to)) = clip_of(&a.knots, &b.knots, self.searched()) else {
             return 0;
         };
-        let searched = self.searched();
-        let (from, to) = (start.max(searched.0), end.min(searched.1));
         let mut looked_at = 0;
         for span in spans(&a.knots, &b.knots, from, to) {
             looked_at += 1;
             if may_touch(a, b, span, self.margin, (from, to)) {
-                near.push(SpanKey {
-                    a: first,
-                    b: second,
-                    cubic_a: span.a,
-                    cubic_b: span.b,
-                });
+                near.push(SpanKey::of((first, second), span));
             }
         }
         looked_at
-    }
-
-    /// Returns the interval asked about (s), with what is reported in it by rounding.
-    fn searched(&self) -> (f64, f64) {
-        (
-            earliest_exact(self.window.start()),
-            latest_exact(self.window.end()),
-        )
     }
 
     fn heights(&self, place: u32, normal: DVec3) -> Option<HeightRange> {

@@ -22,7 +22,6 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::query::Query;
-use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::{Body, Scene};
 use crate::search::{
     BoxedBodies, SceneStatistics, SliceTrials, SourceMemory, TimeSlices, WindowSearch,
@@ -253,11 +252,7 @@ impl PreparedScene<'_> {
         statistics: &SceneStatistics,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
-        let window = (
-            earliest_exact(self.window.start()),
-            latest_exact(self.window.end()),
-        );
-        let slices = TimeSlices::choose(window, statistics);
+        let slices = TimeSlices::choose(self.searched(), statistics);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }

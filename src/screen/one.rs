@@ -2,14 +2,14 @@
 
 use super::pair::push_conflicts;
 use super::prepared::{checked_margin, lone_view};
-use super::solve::SolveScratch;
+use super::solve::{PairQuestion, SolveScratch};
 use crate::bounds::DAabb;
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::query::Query;
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::exact_interval;
 use crate::scene::{Body, Scene, SceneEntry, planned};
 use std::iter::once;
 
@@ -54,7 +54,7 @@ impl Scene {
         let window = asked.ok_or(Error::NoPlan)?;
         let own = lone_view(body, window)?;
         // What happens within a rounding of an end is reported at the end.
-        let exact = (earliest_exact(window.start()), latest_exact(window.end()));
+        let exact = exact_interval(window.ends());
         let range = extremes_of(&own, exact);
         let entries: Vec<_> = self.entries().collect();
         let chunks: Vec<_> = entries.chunks(CHUNK).collect();
@@ -76,7 +76,9 @@ impl Scene {
                     ([name, own_name], (&view, &own))
                 };
                 let asked = (margin, query.accuracy());
-                push_conflicts(names, views, asked, window, (scratch, &mut found));
+                if let Some(question) = PairQuestion::of(names, views, asked, window) {
+                    push_conflicts(&question, scratch, &mut found);
+                }
             }
             Ok(found)
         });

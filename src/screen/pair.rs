@@ -20,17 +20,16 @@
 //! # Ok::<(), nearmiss::Error>(())
 //! ```
 
-use super::prepared::{checked_margin, clip_of, lone_view};
-use super::solve::{SolveScratch, conflict, describe};
-use crate::accuracy::Accuracy;
+use super::prepared::{checked_margin, lone_view};
+use super::solve::{PairQuestion, SolveScratch, describe};
 use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::narrow_phase::{BodyView, certified_approach, certified_contacts, contacts, may_touch};
+use crate::narrow_phase::{BodyView, certified_approach, may_touch};
 use crate::query::Query;
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::exact_interval;
 use crate::scene::{Body, planned};
-use crate::spans::{Spans, spans};
+use crate::spans::{Spans, clip_of, spans};
 use crate::window::Window;
 
 /// Returns the least separation of two bodies within a window, and its time, or `None` if they do
@@ -94,53 +93,26 @@ pub fn conflicts(a: &Body, b: &Body, query: &Query) -> Result<Vec<Conflict>, Err
         generation: 0,
     };
     let mut found = Vec::new();
-    push_conflicts(
-        [(id(0), a.tag), (id(1), b.tag)],
-        (&view_a, &view_b),
-        (margin, query.accuracy()),
-        window,
-        (&mut SolveScratch::default(), &mut found),
-    );
+    let names = [(id(0), a.tag), (id(1), b.tag)];
+    let (views, asked) = ((&view_a, &view_b), (margin, query.accuracy()));
+    if let Some(question) = PairQuestion::of(names, views, asked, window) {
+        push_conflicts(&question, &mut SolveScratch::default(), &mut found);
+    }
     Ok(found)
 }
 
-/// Appends all conflicts of two bodies within a window and a margin (m), in time order.
+/// Appends all conflicts of two bodies to a list, in time order.
 pub(super) fn push_conflicts(
-    names: [(BodyId, u64); 2],
-    (a, b): (&BodyView<'_>, &BodyView<'_>),
-    (margin, accuracy): (f64, Accuracy),
-    window: Window,
-    (scratch, found): (&mut SolveScratch, &mut Vec<Conflict>),
+    question: &PairQuestion<'_>,
+    scratch: &mut SolveScratch,
+    found: &mut Vec<Conflict>,
 ) {
-    let Some(clip) = clip_of(a, b, window) else {
-        return;
-    };
+    let (a, b) = question.views;
     // All instants that may be reported in it.
-    let searched = (earliest_exact(clip.0), latest_exact(clip.1));
+    let searched = exact_interval(question.clip);
     let met = spans(&a.knots, &b.knots, searched.0, searched.1);
-    let near = met.filter(|&span| may_touch(a, b, span, margin, searched));
-    match accuracy {
-        Accuracy::Exact => {
-            let SolveScratch { contacts: list, .. } = scratch;
-            list.clear();
-            contacts(a, b, near, margin, clip, list);
-            let reported = list.iter();
-            found.extend(reported.map(|contact| conflict(contact, names, (a, b), clip)));
-        }
-        Accuracy::Certified => {
-            let SolveScratch {
-                certified,
-                workspace,
-                ..
-            } = scratch;
-            certified.clear();
-            certified_contacts(a, b, near, margin, clip, workspace, certified);
-            found.extend(certified.iter().map(|one| Conflict {
-                certificate: Some(one.certificate),
-                ..conflict(&one.contact, names, (a, b), clip)
-            }));
-        }
-    }
+    let near = met.filter(|&span| may_touch(a, b, span, question.margin, searched));
+    question.push_conflicts(near, scratch, found);
 }
 
 /// Returns the answer from the spans of a pair within a window, if both exist there. The answer is
@@ -155,7 +127,7 @@ fn with_spans<T>(
     if view_a.is_half_space() && view_b.is_half_space() {
         return Ok(None);
     }
-    let Some(clip) = clip_of(&view_a, &view_b, window) else {
+    let Some(clip) = clip_of(&view_a.knots, &view_b.knots, window.ends()) else {
         return Ok(None);
     };
     let met = spans(&view_a.knots, &view_b.knots, clip.0, clip.1);

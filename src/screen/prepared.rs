@@ -7,6 +7,7 @@ use crate::bounds::{
     hull_test,
 };
 use crate::broad_phase::{InstructionSet, PairFilter};
+use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::knots::Knots;
@@ -15,13 +16,13 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
+use crate::rounding::exact_interval;
 use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
 use crate::search::{
     Bodies, BoxedBodies, Lifetimes, Limits, SceneStatistics, SearchScratch, SlicesToForm,
     SourceMemory, SourcesInPlace,
 };
 use crate::simd::prefetch;
-use crate::spans::common_domain;
 use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
@@ -73,7 +74,7 @@ impl<'a> PreparedScene<'a> {
             let extension = extension.map_err(|error| error.with_id(id))?;
             let has_partner = partners.has(&entry.body);
             if entry.body.hitbox.is_half_space() {
-                half_spaces.extend(u32::try_from(place));
+                half_spaces.push(short(place));
             }
             survey.include(place, (entry, extension.as_ref()), has_partner);
             ids.push(id);
@@ -173,6 +174,11 @@ impl<'a> PreparedScene<'a> {
             .knots
             .extended(&entry.body.trajectory, extension);
         CubicSource::compact(knots, &compact_view, padding, &self.frame)
+    }
+
+    /// Returns the interval asked about (s), with what is reported in it by rounding.
+    pub(super) fn searched(&self) -> (f64, f64) {
+        exact_interval(self.window.ends())
     }
 
     /// Returns the statistics of motion in the window.
@@ -358,11 +364,4 @@ pub(super) fn lone_view(body: &Body, window: Window) -> Result<BodyView<'_>, Err
 #[inline(always)]
 fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
     BodyView::of((knots, body.trajectory.cubics()), body.shape())
-}
-
-/// Returns the part of the window in which both bodies exist.
-pub(super) fn clip_of(a: &BodyView<'_>, b: &BodyView<'_>, window: Window) -> Option<(f64, f64)> {
-    let (start, end) = common_domain(&a.knots, &b.knots)?;
-    let (start, end) = (start.max(window.start()), end.min(window.end()));
-    (start <= end).then_some((start, end))
 }

@@ -1,6 +1,6 @@
 //! Exact solutions of the survivors, and the conflicts reported.
 
-use super::prepared::{PreparedScene, clip_of};
+use super::prepared::PreparedScene;
 use crate::accuracy::Accuracy;
 use crate::broad_phase::PairFilter;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
@@ -10,16 +10,75 @@ use crate::narrow_phase::{
 };
 use crate::parallel;
 use crate::search::Bodies;
-use crate::spans::Span;
-use crate::spans::SpanKey;
+use crate::spans::{Span, SpanKey, clip_of};
+use crate::window::Window;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Buffers that are reused from pair to pair.
 #[derive(Default)]
 pub(super) struct SolveScratch {
-    pub(super) contacts: Vec<Contact>,
-    pub(super) certified: Vec<CertifiedContact>,
-    pub(super) workspace: Workspace,
+    contacts: Vec<Contact>,
+    certified: Vec<CertifiedContact>,
+    workspace: Workspace,
+}
+
+/// A question about the conflicts of two bodies.
+pub(super) struct PairQuestion<'p> {
+    /// Ids and tags in the answer.
+    names: [(BodyId, u64); 2],
+    pub(super) views: (&'p BodyView<'p>, &'p BodyView<'p>),
+    /// Interval of the answer, s: the part of the window in which both bodies exist.
+    pub(super) clip: (f64, f64),
+    pub(super) margin: f64,
+    accuracy: Accuracy,
+}
+
+impl<'p> PairQuestion<'p> {
+    /// Returns the question about two bodies within a window and a margin (m), or `None` if they do not
+    /// exist at the same time.
+    pub(super) fn of(
+        names: [(BodyId, u64); 2],
+        views: (&'p BodyView<'p>, &'p BodyView<'p>),
+        (margin, accuracy): (f64, Accuracy),
+        window: Window,
+    ) -> Option<Self> {
+        Some(Self {
+            names,
+            views,
+            clip: clip_of(&views.0.knots, &views.1.knots, window.ends())?,
+            margin,
+            accuracy,
+        })
+    }
+
+    /// Appends the conflicts in some spans to a list, in time order.
+    pub(super) fn push_conflicts(
+        &self,
+        spans: impl Iterator<Item = Span>,
+        scratch: &mut SolveScratch,
+        conflicts: &mut Vec<Conflict>,
+    ) {
+        let Self { margin, clip, .. } = *self;
+        let (a, b) = self.views;
+        let reported = |contact: &Contact| conflict(contact, self.names, self.views, clip);
+        match self.accuracy {
+            Accuracy::Exact => {
+                let found = &mut scratch.contacts;
+                found.clear();
+                contacts(a, b, spans, margin, clip, found);
+                conflicts.extend(found.iter().map(reported));
+            }
+            Accuracy::Certified => {
+                let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
+                found.clear();
+                certified_contacts(a, b, spans, margin, clip, workspace, found);
+                conflicts.extend(found.iter().map(|certified| Conflict {
+                    certificate: Some(certified.certificate),
+                    ..reported(&certified.contact)
+                }));
+            }
+        }
+    }
 }
 
 /// The conflicts of consecutive pairs.
@@ -59,9 +118,9 @@ impl PreparedScene<'_> {
             }
             let SolvedPairs { conflicts, scratch } = solved;
             let chunk = chunks[chunk];
-            match self.accuracy {
-                Accuracy::Exact => self.exact(bodies, chunk, scratch, conflicts),
-                Accuracy::Certified => self.certified(bodies, chunk, scratch, conflicts),
+            for (number, survivors) in chunk.iter().enumerate() {
+                fetch(bodies, chunk, number);
+                self.solve_pair(bodies, survivors, scratch, conflicts);
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
@@ -81,70 +140,27 @@ impl PreparedScene<'_> {
         conflicts
     }
 
-    fn exact(
+    /// Appends the conflicts of two bodies in their survivors to a list, in time order.
+    fn solve_pair(
         &self,
         bodies: &impl Bodies,
-        pairs: &[OfPair<'_>],
+        survivors: OfPair<'_>,
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let found = &mut scratch.contacts;
-        for number in 0..pairs.len() {
-            let Some(pair) = self.pair(bodies, pairs, number) else {
-                continue;
-            };
-            found.clear();
-            let [a, b] = &pair.views;
-            contacts(a, b, pair.spans(), self.margin, pair.clip, found);
-            conflicts.extend(found.iter().map(|contact| pair.conflict(contact)));
-        }
-    }
-
-    fn certified(
-        &self,
-        bodies: &impl Bodies,
-        pairs: &[OfPair<'_>],
-        scratch: &mut SolveScratch,
-        conflicts: &mut Vec<Conflict>,
-    ) {
-        let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
-        for number in 0..pairs.len() {
-            let Some(pair) = self.pair(bodies, pairs, number) else {
-                continue;
-            };
-            found.clear();
-            let [a, b] = &pair.views;
-            certified_contacts(a, b, pair.spans(), self.margin, pair.clip, workspace, found);
-            conflicts.extend(found.iter().map(|certified| Conflict {
-                certificate: Some(certified.certificate),
-                ..pair.conflict(&certified.contact)
-            }));
-        }
-    }
-
-    /// Returns the task of a pair of bodies, or `None` if the two do not exist at the same time
-    /// within the window.
-    fn pair<'p>(
-        &self,
-        bodies: &'p impl Bodies,
-        pairs: &[OfPair<'p>],
-        number: usize,
-    ) -> Option<PairTask<'p>> {
-        fetch(bodies, pairs, number);
-        let survivors = pairs[number];
         let (a, b) = (survivors[0].a, survivors[0].b);
         // One by one: they are large, and the map of an array moves them.
-        let views = [bodies.view(a), bodies.view(b)];
-        let name = |place: u32| {
+        let (view_a, view_b) = (bodies.view(a), bodies.view(b));
+        let names = [a, b].map(|place| {
             let place = place as usize;
             (self.ids[place], self.entries[place].body.tag)
-        };
-        Some(PairTask {
-            clip: clip_of(&views[0], &views[1], self.window)?,
-            names: [name(a), name(b)],
-            views,
-            survivors,
-        })
+        });
+        let (views, asked) = ((&view_a, &view_b), (self.margin, self.accuracy));
+        if let Some(question) = PairQuestion::of(names, views, asked, self.window) {
+            let spans = survivors.iter();
+            let spans = spans.map(|survivor| survivor.span(&view_a.knots, &view_b.knots));
+            question.push_conflicts(spans, scratch, conflicts);
+        }
     }
 }
 
@@ -195,28 +211,6 @@ fn order(conflicts: &mut [Conflict]) {
         conflicts.is_sorted_by(|x, y| x.order(y).is_le()),
         "pairs ascend"
     );
-}
-
-/// Two bodies with the spans in which they may be in contact.
-struct PairTask<'p> {
-    names: [(BodyId, u64); 2],
-    views: [BodyView<'p>; 2],
-    clip: (f64, f64),
-    survivors: OfPair<'p>,
-}
-
-impl PairTask<'_> {
-    fn spans(&self) -> impl Iterator<Item = Span> {
-        let [a, b] = &self.views;
-        self.survivors
-            .iter()
-            .map(|survivor| survivor.span(&a.knots, &b.knots))
-    }
-
-    fn conflict(&self, contact: &Contact) -> Conflict {
-        let [a, b] = &self.views;
-        conflict(contact, self.names, (a, b), self.clip)
-    }
 }
 
 /// Returns the reported form of a contact, without certificate.

@@ -71,13 +71,7 @@ impl PairSpan {
     }
 
     const fn key(&self) -> SpanKey {
-        let Self { a, b, span, .. } = *self;
-        SpanKey {
-            a,
-            b,
-            cubic_a: span.a,
-            cubic_b: span.b,
-        }
+        SpanKey::of((self.a, self.b), self.span)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Buffers that one screening leaves to the next.
 
-use super::{CandidateRefiner, SliceBlock, SpanSorter};
+use super::{CandidateRefiner, Lifetimes, SliceBlock, SpanSorter};
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Candidate, Methods};
 use crate::spans::SpanKey;
@@ -12,6 +12,8 @@ use crate::spans::SpanKey;
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
     pub(crate) sources: SourceMemory,
+    /// Lifetimes of a monitor's bodies.
+    pub(crate) lifetimes: Lifetimes,
     pub(crate) methods: Methods,
     /// Places of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,

@@ -384,8 +384,8 @@ impl SliceBlocks {
         let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
         let fit = cached.clamp(few, MAX_SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
-        let count = slices.div_ceil(u32::try_from(most).unwrap_or(u32::MAX));
-        let threads = u32::try_from(threads).unwrap_or(u32::MAX);
+        let count = slices.div_ceil(short(most));
+        let threads = short(threads);
         let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > FEW_BOXES as u64;
         let fewest = if is_shared {
             Self::FEWEST.saturating_mul(threads)
@@ -396,7 +396,7 @@ impl SliceBlocks {
         Self {
             slices,
             count: count.max(fewest).min(slices),
-            blocks_per_merge: u32::try_from(blocks_per_merge).unwrap_or(u32::MAX).max(16),
+            blocks_per_merge: short(blocks_per_merge).max(16),
             is_shared,
         }
     }

@@ -300,8 +300,7 @@ pub(super) struct Replacement {
 /// Returns the cut with a number from 1 on of a motion that goes on from a knot (s).
 fn cut_after(knot: f64, motion: &StraightMotion, number: usize) -> f64 {
     // There are far fewer: each is twice as far from the knot.
-    let number = u32::try_from(number).unwrap_or(u32::MAX);
-    DoublingCuts::cut(knot, motion.duration(), number)
+    DoublingCuts::cut(knot, motion.duration(), short(number))
 }
 
 #[cfg(test)]

@@ -227,6 +227,7 @@ impl BroadPhase for Sweep {
 mod tests {
     use super::super::{CandidateLimit, Everyone};
     use super::*;
+    use crate::count::short;
     use parry3d::bounding_volume::Aabb;
     use parry3d::math::Vector;
     use rand::rngs::ChaCha8Rng;
@@ -266,9 +267,5 @@ mod tests {
             assert_eq!(pairs(threads, count), (alone.clone(), false), "{threads}");
             assert!(pairs(threads, count - 1).1, "{threads}");
         }
-    }
-
-    fn short(count: usize) -> u32 {
-        u32::try_from(count).unwrap_or(u32::MAX)
     }
 }

@@ -10,6 +10,7 @@ mod node;
 mod search;
 
 use crate::broad_phase::BodyBox;
+use crate::count::short;
 use curve::MortonOrder;
 use node::{BoxNode, WIDTH, corners};
 use parry3d::bounding_volume::Aabb;
@@ -190,7 +191,7 @@ impl BoxTree {
         if self.index_of.len() <= slot {
             self.index_of.resize(slot + 1, NOWHERE);
         }
-        self.index_of[slot] = u32::try_from(index).unwrap_or(NOWHERE);
+        self.index_of[slot] = short(index);
         self.slot_at[index] = body.body;
         self.levels[0][index / WIDTH].set(index % WIDTH, corners(&body.aabb));
     }
@@ -246,7 +247,7 @@ mod tests {
                 let slot = rng.random_range(0..plain.len());
                 let new = rng.random_bool(0.8).then(|| random_box(&mut rng));
                 plain[slot] = new;
-                let (order, body) = (boxes.orders(), u32::try_from(slot).unwrap_or(0));
+                let (order, body) = (boxes.orders(), short(slot));
                 let leaf = |boxes: &BoxTree, slot: u32| boxes.index(slot).map(|at| at / WIDTH);
                 let leaves: Vec<_> = (0..1000).map(|slot| leaf(&boxes, slot)).collect();
                 match new {

@@ -6,9 +6,9 @@ use super::super::slice::NearBody;
 use super::LookaheadSearch;
 use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::exact_interval;
 use crate::scene::Scene;
-use crate::spans::{common_domain, spans};
+use crate::spans::{clip_of, common_part, spans};
 
 impl LookaheadSearch {
     /// Calls `visit` with each contact of a plan that no body follows with another body, within
@@ -32,7 +32,7 @@ impl LookaheadSearch {
         let have_partners = scene.len() > 1 && scene.admits_all(self.margin);
         if scene.in_slot(slot).is_none() && !have_partners {
             // It may be the first partner of bodies that are in no slice.
-            let (from, to) = (earliest_exact(from), latest_exact(to));
+            let (from, to) = exact_interval((from, to));
             let alone = self.monitored.without_partner();
             neighbours.extend(alone.map(|slot| NearBody { slot, from, to }));
         }
@@ -51,16 +51,13 @@ impl LookaheadSearch {
             } else {
                 (&view, own)
             };
-            let domain = common_domain(&a.knots, &b.knots);
-            let clip = domain.map(|(start, end)| (start.max(from), end.min(to)));
-            let Some(clip) = clip.filter(|clip| clip.0 <= clip.1) else {
+            let Some(clip) = clip_of(&a.knots, &b.knots, (from, to)) else {
                 continue;
             };
-            let searched = (earliest_exact(clip.0), latest_exact(clip.1));
+            let searched = exact_interval(clip);
             near.clear();
             for time in times {
-                let part = (time.from.max(searched.0), time.to.min(searched.1));
-                if part.0 <= part.1 {
+                if let Some(part) = common_part((time.from, time.to), searched) {
                     let touching = spans(&a.knots, &b.knots, part.0, part.1)
                         .filter(|&span| may_touch(a, b, span, margin, part));
                     near.extend(touching);
@@ -84,7 +81,7 @@ impl LookaheadSearch {
         (from, to): (f64, f64),
         neighbours: &mut Vec<NearBody>,
     ) {
-        let (from, to) = (earliest_exact(from), latest_exact(to));
+        let (from, to) = exact_interval((from, to));
         let throughout = |slot| NearBody { slot, from, to };
         if own.is_half_space() {
             neighbours.clear();
@@ -104,7 +101,7 @@ impl LookaheadSearch {
         (monitored, own): (&MonitoredBody, &BodyView<'_>),
         (from, to): (f64, f64),
     ) -> Vec<NearBody> {
-        let window = (earliest_exact(from), latest_exact(to));
+        let window = exact_interval((from, to));
         let knots = (own.knots, own.segments);
         let source = CubicSource::plain(knots, &monitored.padding, &self.grid.frame);
         let (mut scratch, mut neighbours) = (self.pool.take(), Vec::new());

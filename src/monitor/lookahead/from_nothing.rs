@@ -2,17 +2,15 @@
 //! that the clock passed over, and one of the whole lookahead.
 
 use super::super::bodies::BodyTable;
-use super::super::budget::BudgetMeter;
+use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
 use crate::parallel;
 use crate::rounding::earliest_exact;
-use crate::scene::Scene;
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
-use crate::window::Window;
 
 impl LookaheadSearch {
     /// Survivors for each span that there is room for: a survivor takes a fiftieth of the memory of a solved span.
@@ -28,26 +26,17 @@ impl LookaheadSearch {
 
     /// Searches the time that the clock passed over. Returns the instant at which the search had to stop, s; none if it
     /// is done.
-    pub(super) fn cross<F: PairFilter>(
+    pub(super) fn cross(
         &mut self,
-        scene: &Scene,
         (from, to): (f64, f64),
-        filter: &F,
-        meter: &mut BudgetMeter,
-        stats: &mut Stats,
+        work: &mut TickWork<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
+        let scene = work.admission.scene;
         let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
-        let bodies = PreparedBodies::of(table, &mut self.lifetimes);
-        let stop = self.jump.cross(
-            (from, to, self.grid.length),
-            (&bodies, filter),
-            (limits, &self.search_pool),
-            meter,
-            (&mut self.survivors, stats),
-        );
-        bodies.forget(&mut self.lifetimes);
-        stop
+        let bodies = PreparedBodies::of(table, limits, &self.search_pool);
+        let times = (from, to, self.grid.length);
+        self.jump.cross(times, &bodies, work, &mut self.survivors)
     }
 
     /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change
@@ -60,45 +49,42 @@ impl LookaheadSearch {
     /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
     /// mean of the slices that are needed.
     fn is_mostly_unknown(&self, needed: usize) -> bool {
-        let (changed, all) = (self.changed.len(), self.monitored.len());
+        let (changed, all) = (self.changed.slots().len(), self.monitored.len());
         let needed = self.slices.iter().take(needed);
         let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
     /// Searches the time of the needed slices from nothing, from an instant (s) on.
-    pub(super) fn screen<F: PairFilter>(
+    pub(super) fn screen(
         &mut self,
-        scene: &Scene,
-        (from, needed): (f64, usize),
-        filter: &F,
-        (meter, stats): (&mut BudgetMeter, &mut Stats),
+        from: f64,
+        needed: usize,
+        work: &mut TickWork<'_>,
     ) -> Result<(), LimitExceeded> {
+        let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
         let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
-        let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let table = BodyTable::of(admission.scene, &self.monitored, &self.grid, self.margin);
         let begin = Instant::now();
-        let (bodies, statistics) = PreparedBodies::in_window(table, &mut self.lifetimes, window);
+        let pool = &self.search_pool;
+        let (bodies, statistics) = PreparedBodies::in_window(table, limits, pool, window);
         let cut = (&bodies.slices_of_search_length(window), &statistics);
-        stats.bounds_time += begin.elapsed();
-        let threads = (&self.search_pool, parallel::threads());
-        let search = bodies.search(Window::ALL, limits, threads);
+        work.stats.bounds_time += begin.elapsed();
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
-        let done = search.spans(cut, filter, &|_| {}, found);
-        bodies.forget(&mut self.lifetimes);
-        done?;
-        if filter.gives_up() {
+        bodies.list_spans(cut, admission, parallel::threads(), found)?;
+        if admission.gives_up() {
             return Ok(());
         }
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
-        *stats += counted;
+        work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {
             if number < needed {
                 slice.set_compared();
-                *stats += std::mem::take(&mut slice.stats);
+                work.stats += std::mem::take(&mut slice.stats);
             } else {
-                slice.note(&self.changed);
+                slice.note(self.changed.slots());
             }
         }
         Ok(())

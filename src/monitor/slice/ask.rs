@@ -50,7 +50,7 @@ impl LookaheadSlice {
             }));
         }
         let (from, to) = self.interval;
-        let changed = self.changed.iter();
+        let changed = self.changed.slots().iter();
         neighbours.extend(changed.map(|&slot| NearBody { slot, from, to }));
     }
 

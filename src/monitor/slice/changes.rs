@@ -3,7 +3,9 @@
 use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
+use crate::monitor::admission::LimitedAdmission;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
+use crate::monitor::slot_set::SlotSet;
 
 impl LookaheadSlice {
     /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
@@ -17,39 +19,26 @@ impl LookaheadSlice {
             BuildStage::Compared(_) | BuildStage::Joining(..) | BuildStage::Built => usize::MAX,
         };
         for &slot in slots {
-            let place = slot as usize;
-            if place >= boxed {
-                continue;
+            if (slot as usize) < boxed {
+                self.changed.insert(slot);
             }
-            if self.is_changed.len() <= place {
-                self.is_changed.resize(place + 1, false);
-            }
-            if !std::mem::replace(&mut self.is_changed[place], true) {
-                self.changed.push(slot);
-            }
-        }
-    }
-
-    pub(super) fn forget_changes(&mut self) {
-        for slot in self.changed.drain(..) {
-            self.is_changed[slot as usize] = false;
         }
     }
 
     /// Compares changed bodies with all.
-    pub(super) fn compare_changed<F: PairFilter>(
+    pub(super) fn compare_changed(
         &mut self,
-        task: &SliceTask<'_, F>,
+        task: &SliceTask<'_>,
+        filter: &LimitedAdmission<'_>,
         scratch: &mut SliceScratch,
     ) -> usize {
-        let SliceTask { bodies, filter, .. } = *task;
-        let changed = self.changed.len();
-        self.box_changed(bodies, task.moved, scratch);
+        let changed = self.changed.slots().len();
+        self.box_changed(task.bodies, task.moved, scratch);
         if changed > self.index.boxes.capacity() / Self::FEW_CHANGED {
             self.index.boxes.replace(&scratch.listed);
             self.list_all(&mut scratch.listed);
             let concerns = TouchesChanged {
-                is_changed: &self.is_changed,
+                changed: &self.changed,
                 filter,
             };
             let SliceScratch { sweep, listed, .. } = scratch;
@@ -79,19 +68,19 @@ impl LookaheadSlice {
             listed.push(boxed);
         };
         match moved {
-            Some((moved, number)) if moved.are(&self.changed) => {
+            Some((moved, number)) if moved.are(self.changed.slots()) => {
                 let boxes = moved.of(number);
                 boxes.for_each(|(boxed, fat_line)| list(*boxed, fat_line));
             }
             _ => {
-                let changed = self.changed.iter().copied();
+                let changed = self.changed.slots().iter().copied();
                 bodies.boxes(changed, &ends, |_, boxed, fat_line| list(boxed, fat_line));
             }
         }
         self.stats.boxes += listed.len() as u64;
         // In the order of `changed`, but for those that are missing.
         let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();
-        for &slot in &self.changed {
+        for &slot in self.changed.slots() {
             if boxed.next_if_eq(&slot).is_none() {
                 self.index.boxes.remove(slot);
             }
@@ -100,15 +89,14 @@ impl LookaheadSlice {
 }
 
 /// Admits pairs with a changed body.
-struct TouchesChanged<'f, F> {
-    is_changed: &'f [bool],
-    filter: &'f F,
+struct TouchesChanged<'f> {
+    changed: &'f SlotSet,
+    filter: &'f LimitedAdmission<'f>,
 }
 
-impl<F: PairFilter> PairFilter for TouchesChanged<'_, F> {
+impl PairFilter for TouchesChanged<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        (is_changed(a) || is_changed(b)) && self.filter.admits(a, b)
+        (self.changed.has(a) || self.changed.has(b)) && self.filter.admits(a, b)
     }
 
     fn gives_up(&self) -> bool {

@@ -5,9 +5,11 @@ mod changes;
 mod refine;
 mod state;
 
+use super::admission::LimitedAdmission;
 use super::bodies::BodyTable;
 use crate::bounds::FatLine;
-use crate::broad_phase::{BodyBox, BroadPhase, Candidate, CandidateLimit, PairFilter};
+use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
+use crate::count::short;
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -56,7 +58,7 @@ impl LookaheadSlice {
         self.survivors.clear();
         self.unsearched_from = None;
         self.query_index = OnceLock::new();
-        self.forget_changes();
+        self.changed.clear();
     }
 
     /// Notes that all bodies were compared with each other, without boxes of the whole slice.
@@ -153,7 +155,7 @@ impl LookaheadSlice {
             BuildStage::Compared(_) | BuildStage::Built => true,
         };
         is_there
-            && self.changed.is_empty()
+            && self.changed.slots().is_empty()
             && self.unsearched_from.is_none()
             && self.refined == self.candidates.len()
     }
@@ -161,8 +163,8 @@ impl LookaheadSlice {
     /// Returns how many boxes are to be formed, at most.
     pub(super) fn missing(&self, bodies: &BodyTable<'_>) -> usize {
         match self.stage {
-            BuildStage::Built => self.changed.len(),
-            BuildStage::Compared(_) if self.changed.is_empty() => 0,
+            BuildStage::Built => self.changed.slots().len(),
+            BuildStage::Compared(_) if self.changed.slots().is_empty() => 0,
             _ => bodies.monitored.len(),
         }
     }
@@ -172,7 +174,7 @@ impl LookaheadSlice {
         if matches!(self.stage, BuildStage::Listing(_)) {
             all
         } else {
-            all.min(changed + self.changed.len())
+            all.min(changed + self.changed.slots().len())
         }
     }
 
@@ -182,9 +184,9 @@ impl LookaheadSlice {
 
     /// Appends the admitted pairs of a listed box with another body whose box it overlaps, if `wanted` returns true
     /// for the two bodies; not all if the filter gives up.
-    fn list_meeting<F: PairFilter>(
+    fn list_meeting(
         &mut self,
-        filter: &F,
+        filter: &LimitedAdmission<'_>,
         scratch: &mut SliceScratch,
         wanted: impl Fn(u32, u32) -> bool,
     ) {
@@ -208,9 +210,9 @@ impl LookaheadSlice {
     /// Compares what has not been compared, step by step, while `goes_on` returns true and there
     /// [is room](Self::check_room). `goes_on` gets the work of each step (boxes and candidates). Spans and
     /// counts are added to `survivors` and `stats`.
-    pub(super) fn refresh<F: PairFilter>(
+    pub(super) fn refresh(
         &mut self,
-        task: &SliceTask<'_, F>,
+        task: &SliceTask<'_>,
         scratch: &mut SliceScratch,
         goes_on: impl FnMut(usize) -> bool,
     ) {
@@ -224,9 +226,9 @@ impl LookaheadSlice {
         }
     }
 
-    fn take_steps<F: PairFilter>(
+    fn take_steps(
         &mut self,
-        task: &SliceTask<'_, F>,
+        task: &SliceTask<'_>,
         scratch: &mut SliceScratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
@@ -234,7 +236,7 @@ impl LookaheadSlice {
         while !self.is_fresh(task.bodies) {
             let begin = Instant::now();
             let work = if self.refined < self.candidates.len() {
-                let work = self.refine(task.bodies, task.filter, scratch);
+                let work = self.refine(task, scratch);
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
@@ -253,26 +255,22 @@ impl LookaheadSlice {
 
     /// Takes a step towards all candidates; returns the number of boxes formed. If there are too many
     /// candidates, the slice is searched from nothing, in shorter slices.
-    fn look<F: PairFilter>(
-        &mut self,
-        task: &SliceTask<'_, F>,
-        scratch: &mut SliceScratch,
-    ) -> usize {
+    fn look(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
         self.candidates.clear();
         self.refined = 0;
         if let Some(from) = self.unsearched_from {
-            return self.search_next_part(from, task, scratch);
+            return self.search_next_part(from, task);
         }
         let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
-        let filter = &CandidateLimit::new(task.filter, room);
-        let boxes = self.compare(&task.with_filter(filter), scratch);
+        let filter = &LimitedAdmission::new(task.filter, room);
+        let boxes = self.compare(task, filter, scratch);
         if filter.is_exceeded() {
             self.candidates.clear();
             // All bodies as they are now.
             self.stats.slices += u64::from(!self.stage.is_compared());
             self.stage = BuildStage::Built;
             self.boxed = Vec::new();
-            self.forget_changes();
+            self.changed.clear();
             self.unsearched_from = Some(self.interval.0);
         } else if filter.gives_up() {
             self.candidates.clear();
@@ -282,12 +280,13 @@ impl LookaheadSlice {
     }
 
     /// Takes a step towards all candidates of the slice as a whole; returns the number of boxes formed.
-    fn compare<F: PairFilter>(
+    fn compare(
         &mut self,
-        task: &SliceTask<'_, F>,
+        task: &SliceTask<'_>,
+        filter: &LimitedAdmission<'_>,
         scratch: &mut SliceScratch,
     ) -> usize {
-        let SliceTask { bodies, filter, .. } = *task;
+        let bodies = task.bodies;
         match self.stage {
             BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
@@ -305,10 +304,10 @@ impl LookaheadSlice {
                 until - slots
             }
             BuildStage::Placing(slots) if slots < bodies.monitored.len() => {
-                let changed = self.changed.len();
+                let changed = self.changed.slots().len();
                 self.box_changed(bodies, task.moved, scratch);
                 self.index.boxes.move_to(&scratch.listed);
-                self.forget_changes();
+                self.changed.clear();
                 changed
             }
             BuildStage::Placing(_) => {
@@ -316,7 +315,7 @@ impl LookaheadSlice {
                 self.stage = BuildStage::Joining(0, self.index.boxes.orders());
                 0
             }
-            BuildStage::Joining(leaves, order) if self.changed.is_empty() => {
+            BuildStage::Joining(leaves, order) if self.changed.slots().is_empty() => {
                 self.join(filter, leaves, order, scratch);
                 0
             }
@@ -342,7 +341,9 @@ impl LookaheadSlice {
                 self.build(bodies, filter, scratch);
                 0
             }
-            BuildStage::Joining(..) | BuildStage::Built => self.compare_changed(task, scratch),
+            BuildStage::Joining(..) | BuildStage::Built => {
+                self.compare_changed(task, filter, scratch)
+            }
         }
     }
 
@@ -350,7 +351,7 @@ impl LookaheadSlice {
     /// time; returns the slot that comes next.
     fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
-        let slots = (first..until).filter_map(|slot| u32::try_from(slot).ok());
+        let slots = (first..until).map(short);
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
@@ -365,21 +366,21 @@ impl LookaheadSlice {
 
     /// Ends a step: sets the stage, and forgets the changes. If the filter gave up, not all was found, and the step is
     /// still to be done.
-    fn end_at<F: PairFilter>(&mut self, stage: BuildStage, filter: &F) {
+    fn end_at(&mut self, stage: BuildStage, filter: &LimitedAdmission<'_>) {
         if filter.gives_up() {
             self.candidates.clear();
             return;
         }
         self.stats.slices += u64::from(stage == BuildStage::Built && self.stage != stage);
         self.stage = stage;
-        self.forget_changes();
+        self.changed.clear();
     }
 
     /// Compares the bodies in the next leaves with all others. Each body is compared with those in lower slots only, so
     /// that each pair is found once.
-    fn join<F: PairFilter>(
+    fn join(
         &mut self,
-        filter: &F,
+        filter: &LimitedAdmission<'_>,
         leaves: usize,
         order: u32,
         scratch: &mut SliceScratch,
@@ -405,19 +406,19 @@ impl LookaheadSlice {
     }
 
     /// Builds the tree, once all boxes are formed; compares all of them if the slice is needed now.
-    fn build<F: PairFilter>(
+    fn build(
         &mut self,
         bodies: &BodyTable<'_>,
-        filter: &F,
+        filter: &LimitedAdmission<'_>,
         scratch: &mut SliceScratch,
     ) {
         self.index.boxes.build(&self.boxed);
-        if !self.changed.is_empty() {
+        if !self.changed.slots().is_empty() {
             self.box_changed(bodies, None, scratch);
             self.index.boxes.replace(&scratch.listed);
         }
         if self.due < 1.0 {
-            self.forget_changes();
+            self.changed.clear();
             self.boxed = Vec::new();
             self.stage = BuildStage::Joining(0, self.index.boxes.orders());
             return;

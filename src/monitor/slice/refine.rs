@@ -2,38 +2,25 @@
 
 use super::state::{LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};
-use crate::monitor::bodies::BodyTable;
 use crate::monitor::prepared::PreparedBodies;
-use crate::search::{Lifetimes, RefineContext};
+use crate::search::RefineContext;
 use crate::window::Window;
 
 impl LookaheadSlice {
     /// Searches all bodies from nothing in the next part of the slice; returns how many boxes were formed.
-    pub(super) fn search_next_part<F: PairFilter>(
-        &mut self,
-        from: f64,
-        task: &SliceTask<'_, F>,
-        scratch: &mut SliceScratch,
-    ) -> usize {
+    pub(super) fn search_next_part(&mut self, from: f64, task: &SliceTask<'_>) -> usize {
         /// Slices that are searched between two looks at a budget.
         const SLICES: f64 = 8.0;
         let SliceTask { bodies, filter, .. } = *task;
         // Late on the clock they may be shorter than the way to the next instant.
         let end = (from + SLICES * bodies.search_length).max(from.next_up());
         let end = end.min(self.interval.1);
-        let prepared = PreparedBodies::of(*bodies, &mut Lifetimes::default());
+        let prepared = PreparedBodies::of(*bodies, task.limits, task.pool);
         let before = self.stats.boxes;
-        let done = prepared
-            .search(Window::ALL, task.limits, (&scratch.pool, 1))
-            .spans(
-                (
-                    &prepared.slices_of_search_length((from, end)),
-                    &prepared.statistics((from, end)),
-                ),
-                filter,
-                &|_| {},
-                (&mut self.survivors, &mut self.stats),
-            );
+        let slices = prepared.slices_of_search_length((from, end));
+        let cut = (&slices, &prepared.statistics((from, end)));
+        let found = (&mut self.survivors, &mut self.stats);
+        let done = prepared.list_spans(cut, filter, 1, found);
         self.is_crowded |= done.is_err();
         if !filter.gives_up() {
             self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);
@@ -43,12 +30,8 @@ impl LookaheadSlice {
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
     /// changed since are compared anew.
-    pub(super) fn refine<F: PairFilter>(
-        &mut self,
-        bodies: &BodyTable<'_>,
-        filter: &F,
-        scratch: &mut SliceScratch,
-    ) -> usize {
+    pub(super) fn refine(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
+        let SliceTask { bodies, filter, .. } = *task;
         let first = self.refined;
         self.refined = self.candidates.len().min(first + Self::STEP);
         let context = RefineContext {
@@ -59,11 +42,10 @@ impl LookaheadSlice {
             margin: bodies.margin,
             max_spans: usize::MAX,
         };
-        let is_changed = |slot: u32| self.is_changed.get(slot as usize) == Some(&true);
-        let pair = |pair: Candidate| {
-            let is_wanted =
-                !is_changed(pair.a) && !is_changed(pair.b) && filter.admits(pair.a, pair.b);
-            is_wanted.then_some([pair.a, pair.b])
+        let changed = &self.changed;
+        let pair = |Candidate { a, b }| {
+            let is_wanted = !changed.has(a) && !changed.has(b) && filter.admits(a, b);
+            is_wanted.then_some([a, b])
         };
         let some = &self.candidates[first..self.refined];
         let found = &mut self.survivors;

@@ -2,10 +2,12 @@
 
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, Sweep};
+use crate::monitor::admission::SlotAdmission;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
+use crate::monitor::slot_set::SlotSet;
 use crate::pool::Pool;
-use crate::search::{CandidateRefiner, Limits, SliceBlock};
+use crate::search::{CandidateRefiner, Limits, SearchScratch, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 use std::sync::OnceLock;
@@ -23,8 +25,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     /// Share of the work that is to be done now, 0 to 1: 1 if the slice is needed.
     pub(super) due: f64,
     /// Bodies that changed since they were boxed.
-    pub(super) changed: Vec<u32>,
-    pub(super) is_changed: Vec<bool>,
+    pub(super) changed: SlotSet,
     /// Boxes formed so far, until the tree is built from all of them.
     pub(super) boxed: Vec<BodyBox>,
     pub(super) candidates: Vec<Candidate>,
@@ -61,35 +62,20 @@ pub(in crate::monitor) struct SliceScratch {
     pub(super) refiner: CandidateRefiner,
     /// Slots whose boxes overlap one.
     pub(super) met: Vec<u32>,
-    /// Memory of searches from nothing.
-    pub(super) pool: Pool<crate::search::SearchScratch>,
     pub(super) sweep: Sweep,
 }
 
 /// The bodies that a slice compares, and how.
 #[derive(Debug)]
-pub(in crate::monitor) struct SliceTask<'a, F> {
+pub(in crate::monitor) struct SliceTask<'a> {
     pub(in crate::monitor) bodies: &'a BodyTable<'a>,
-    pub(in crate::monitor) filter: &'a F,
+    pub(in crate::monitor) filter: &'a SlotAdmission<'a>,
     /// Boxes of changed bodies formed for several slices, and the slice's number among these; `None`:
     /// the slice forms its own.
     pub(in crate::monitor) moved: Option<(&'a ChangedBounds, usize)>,
     pub(in crate::monitor) limits: Limits,
-}
-
-impl<'a, F> SliceTask<'a, F> {
-    /// Returns the same with another filter.
-    pub(super) const fn with_filter<'b, G>(&'b self, filter: &'b G) -> SliceTask<'b, G>
-    where
-        'a: 'b,
-    {
-        SliceTask {
-            bodies: self.bodies,
-            filter,
-            moved: self.moved,
-            limits: self.limits,
-        }
-    }
+    /// Memory of searches from nothing.
+    pub(in crate::monitor) pool: &'a Pool<SearchScratch>,
 }
 
 /// Stage of the work on a slice: forming boxes, building their tree, comparing them.
