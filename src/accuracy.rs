@@ -17,7 +17,8 @@
 /// dominates, and is common to both.
 ///
 /// The local scale L of two segments is the distance of their origins plus their extents. Neither
-/// the absolute position nor the absolute time enters.
+/// the absolute position nor the absolute time enters, but for polynomials in absolute time: their terms may be larger
+/// than what they add up to.
 ///
 /// # Why no stage can lose a conflict
 ///

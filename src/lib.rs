@@ -82,7 +82,8 @@
 //!
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
-//! enters. Distances within that rounding of the margin are reported, so a touch is never lost.
+//! enters (but for polynomials in absolute time, whose terms may be larger than what they add up to). Distances
+//! within that rounding of the margin are reported, so a touch is never lost.
 //!
 //! All answers are about the splines. A body's model error says how far the world may be from its
 //! spline: answers then cover all that may be in the world, and a certified one is about the world

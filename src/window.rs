@@ -10,6 +10,8 @@ use std::fmt;
 /// A window clips results; it never changes them. Exceptions:
 ///
 /// - A closest approach at the window's end may differ by rounding.
+/// - A touch is reported at an instant that is rounded. A window that begins or ends at the exact instant may miss it by
+///   that rounding.
 /// - With [`Accuracy::Certified`](crate::Accuracy::Certified), facts that cannot be decided at the
 ///   window's ends are reported as unresolved. The proven error of a separation may differ.
 ///
