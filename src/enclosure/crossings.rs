@@ -69,37 +69,42 @@ enum Cut {
     Undecided(f64),
 }
 
-pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretches {
-    if threshold.low.is_nan() || threshold.high.is_nan() || threshold.low > threshold.high {
-        return Stretches::all(Side::Undecided);
+impl UncertainCubic {
+    /// Returns a partition of 0..=1 by the side of the threshold: certainly inside, certainly
+    /// outside, undecided.
+    #[must_use]
+    pub fn stretches(&self, threshold: Threshold) -> Stretches {
+        if threshold.low.is_nan() || threshold.high.is_nan() || threshold.low > threshold.high {
+            return Stretches::all(Side::Undecided);
+        }
+        // No distance is negative, however large the error.
+        if threshold.high < 0.0 {
+            return Stretches::all(Side::Outside);
+        }
+        let cubic = ScaledCubic::new(self);
+        let low = cubic.bring_below(threshold.low);
+        let high = cubic.bring_above(threshold.high);
+        // What is compared with `own` has passed `computed` before: the four roundings more cover
+        // those of forming the levels themselves.
+        let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
+        let mut search = PartitionSearch {
+            cubic,
+            low,
+            high,
+            own: SquaredThresholds::new(low, high, cubic.error),
+            computed: SquaredThresholds::new(low, high, error),
+            blurred: SquaredThresholds::new(low, high, 4.0 * error),
+            found: Stretches::NONE,
+            work: 0,
+        };
+        if let PartPattern::Uniform(side) = search.pattern(&cubic.points, 0.0) {
+            return Stretches::all(side);
+        }
+        let s = least_point(&cubic.points);
+        search.examine(0.0, s, 0);
+        search.examine(s, 1.0, 0);
+        search.found
     }
-    // No distance is negative, however large the error.
-    if threshold.high < 0.0 {
-        return Stretches::all(Side::Outside);
-    }
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let low = cubic.bring_below(threshold.low);
-    let high = cubic.bring_above(threshold.high);
-    // What is compared with `own` has passed `computed` before: the four roundings more cover those
-    // of forming the levels themselves.
-    let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
-    let mut search = PartitionSearch {
-        cubic,
-        low,
-        high,
-        own: SquaredThresholds::new(low, high, cubic.error),
-        computed: SquaredThresholds::new(low, high, error),
-        blurred: SquaredThresholds::new(low, high, 4.0 * error),
-        found: Stretches::NONE,
-        work: 0,
-    };
-    if let PartPattern::Uniform(side) = search.pattern(&cubic.points, 0.0) {
-        return Stretches::all(side);
-    }
-    let s = least_point(&cubic.points);
-    search.examine(0.0, s, 0);
-    search.examine(s, 1.0, 0);
-    search.found
 }
 
 impl PartitionSearch {

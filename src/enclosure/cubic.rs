@@ -26,6 +26,33 @@ pub struct UncertainCubic {
     pub(super) error: f64,
 }
 
+impl UncertainCubic {
+    /// Returns the cubic with these Bézier control points (m) on 0..=1; the exact cubic is nowhere
+    /// farther than `error` (m) from it.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfRange`] for numbers that are not finite or beyond 1e300, or a negative error.
+    pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
+        if is_in_range(&points, error, 1e300) {
+            Ok(Self { points, error })
+        } else {
+            Err(OutOfRange)
+        }
+    }
+
+    /// Returns a cubic with finite control points, possibly beyond 1e300.
+    pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
+        debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
+        Self { points, error }
+    }
+}
+
+fn is_in_range(points: &[DVec3; 4], error: f64, largest: f64) -> bool {
+    let is_served = |p: &DVec3| p.abs().max_element() <= largest && !p.is_nan();
+    points.iter().all(is_served) && (0.0..=largest).contains(&error)
+}
+
 /// Error: a number of the input is not finite or beyond 1e300, or the error is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a control point or its error is not finite, negative or beyond 1e300")]
