@@ -93,7 +93,7 @@ pub mod enclosure {
 
 pub mod polynomial {
     //! Roots of polynomials.
-    pub use crate::polynomial::{Bernstein, Polynomial, RootList, Roots, quadratic};
+    pub use crate::polynomial::{RootList, roots};
 }
 
 /// Query settings that change the time of an answer, never the answer.
