@@ -86,8 +86,8 @@ pub mod broad_phase {
 pub mod enclosure {
     //! Certified enclosures of one cubic.
     pub use crate::enclosure::{
-        DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
-        Stretches, Threshold, UncertainCubic,
+        DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Stretch,
+        Stretches, Threshold, UncertainCubic, Verdict,
     };
 }
 

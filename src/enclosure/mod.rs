@@ -201,8 +201,8 @@ mod stationary;
 mod stretches;
 
 pub use cubic::{
-    DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
-    Threshold, UncertainCubic,
+    DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Stretch, Threshold,
+    UncertainCubic, Verdict,
 };
 pub(crate) use minimum::{enclosure, target};
 pub(crate) use minorant::Minorant;
