@@ -2,6 +2,7 @@
 //!
 //! Spans depend on the two trajectories alone. A window selects spans; it never cuts one.
 
+use crate::count::short;
 use crate::knots::Knots;
 use std::cmp::Ordering;
 
@@ -68,7 +69,7 @@ pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> 
 ///
 /// A motion with `n + 1` knots has cubics `0..n`. Touching counts as overlap.
 pub(crate) fn spans<'k>(a: &'k Knots<'k>, b: &'k Knots<'k>, from: f64, to: f64) -> Spans<'k> {
-    let first = |knots: &Knots<'_>| index(knots.count(|knot| knot < from).max(1) - 1);
+    let first = |knots: &Knots<'_>| short(knots.count(|knot| knot < from).max(1) - 1);
     spans_from(a, b, (first(a), first(b)), from, to)
 }
 
@@ -81,7 +82,7 @@ pub(crate) fn each_span(
     (from, to): (f64, f64),
     visit: impl FnMut(Span),
 ) {
-    if a.are_extended() || b.are_extended() {
+    if a.need_plan() || b.need_plan() {
         spans_from::<true>(a, b, hints, from, to).for_each(visit);
     } else {
         spans_from::<false>(a, b, hints, from, to).for_each(visit);
@@ -173,8 +174,8 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
                 return Some(Span {
                     start,
                     end,
-                    a: index(i),
-                    b: index(j),
+                    a: short(i),
+                    b: short(j),
                 });
             }
         }
@@ -183,12 +184,7 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
 
 fn cubic_at(knots: &Knots<'_>, time: f64) -> u32 {
     let after = knots.count(|knot| knot <= time);
-    index(after.clamp(1, knots.cubics()) - 1)
-}
-
-/// Converts the number of a cubic to 32 bits; a longer list does not fit into memory.
-fn index(cubic: usize) -> u32 {
-    u32::try_from(cubic).unwrap_or(u32::MAX)
+    short(after.clamp(1, knots.cubics()) - 1)
 }
 
 #[cfg(test)]
