@@ -134,7 +134,7 @@ fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) ->
     cubic
 }
 
-/// Iterator over [`spans`]. `EXTENDED` is required if a motion extends beyond its plan.
+/// Iterator over [`spans`]. `EXTENDED` is required of knots that [need the plan](Knots::need_plan).
 #[derive(Clone, Debug)]
 pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
     a: &'k Knots<'k>,

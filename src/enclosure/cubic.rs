@@ -89,7 +89,7 @@ pub struct Threshold {
 /// The certain relation of a distance to a threshold, or to an inner and an outer one.
 ///
 /// The distance is the least one of a pair of bodies during a span, or the distance at every
-/// instant of a [`Stretch`](crate::internals::enclosure::Stretch), its ends included.
+/// instant of a [`Stretch`], its ends included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Certainly farther than the (outer) threshold.
