@@ -86,14 +86,14 @@ pub mod broad_phase {
 pub mod enclosure {
     //! Certified enclosures of one cubic.
     pub use crate::enclosure::{
-        DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
-        Stretches, Threshold, UncertainCubic,
+        DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Stretch,
+        Stretches, Threshold, UncertainCubic, Verdict,
     };
 }
 
 pub mod polynomial {
     //! Roots of polynomials.
-    pub use crate::polynomial::{Bernstein, Polynomial, RootList, Roots, quadratic};
+    pub use crate::polynomial::{RootList, roots};
 }
 
 /// Query settings that change the time of an answer, never the answer.

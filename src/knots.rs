@@ -86,7 +86,7 @@ impl<'a> Knots<'a> {
 
     /// Returns true if not all cubics are in the list of a plan: beyond it, or of a straight motion.
     #[inline(always)]
-    pub(crate) const fn are_extended(&self) -> bool {
+    pub(crate) const fn need_plan(&self) -> bool {
         self.plan.is_some()
     }
 

@@ -102,7 +102,7 @@ pub(crate) fn each_span(
     (from, to): (f64, f64),
     visit: impl FnMut(Span),
 ) {
-    if a.are_extended() || b.are_extended() {
+    if a.need_plan() || b.need_plan() {
         spans_from::<true>(a, b, hints, from, to).for_each(visit);
     } else {
         spans_from::<false>(a, b, hints, from, to).for_each(visit);
@@ -154,7 +154,7 @@ fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) ->
     cubic
 }
 
-/// Iterator over [`spans`]. `EXTENDED` is required if a motion extends beyond its plan.
+/// Iterator over [`spans`]. `EXTENDED` is required of knots that [need the plan](Knots::need_plan).
 #[derive(Clone, Debug)]
 pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
     a: &'k Knots<'k>,

@@ -134,7 +134,7 @@ pub(crate) fn sampled(points: &ControlPoints<f64>) -> (f64, f64) {
 /// Returns true if the pair comes within a threshold: a root of the squared distance less its square, by
 /// the crate's own root finder, unless an end is inside already.
 pub(crate) fn within_by_roots(points: &ControlPoints<f64>, threshold: f64) -> bool {
-    use nearmiss::internals::polynomial::{Polynomial, Roots};
+    use nearmiss::internals::polynomial::roots;
 
     let limit = threshold * threshold;
     let cubic = Centred::new(points);
@@ -142,7 +142,7 @@ pub(crate) fn within_by_roots(points: &ControlPoints<f64>, threshold: f64) -> bo
         return true;
     }
     let [c0, c1, c2, c3] = cubic.coefficients;
-    let difference = Polynomial::new([
+    let difference = [
         dot(c0, c0) - limit,
         2.0 * dot(c0, c1),
         2.0 * dot(c0, c2) + dot(c1, c1),
@@ -150,9 +150,6 @@ pub(crate) fn within_by_roots(points: &ControlPoints<f64>, threshold: f64) -> bo
         2.0 * dot(c1, c3) + dot(c2, c2),
         2.0 * dot(c2, c3),
         dot(c3, c3),
-    ]);
-    match difference.roots_in(-1.0, 1.0, 1.2e-6) {
-        Roots::Everywhere => true,
-        Roots::At(roots) => !roots.is_empty(),
-    }
+    ];
+    !roots(difference, 1.2e-6).is_empty()
 }

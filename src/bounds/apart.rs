@@ -27,7 +27,7 @@ pub(crate) enum HullTest {
 /// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
 /// control points of the relative motion lie beyond the margin on an axis or along their sum.
 pub(crate) fn hull_test(a: &BodyCubic<'_>, b: &BodyCubic<'_>, interval: (f64, f64)) -> HullTest {
-    if a.source.knots.are_extended() || b.source.knots.are_extended() {
+    if a.source.knots.need_plan() || b.source.knots.need_plan() {
         hull_test_of::<true>(a, b, interval)
     } else {
         hull_test_of::<false>(a, b, interval)

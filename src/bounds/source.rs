@@ -78,7 +78,7 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns true if the cubics have runs, and all cubics are the plan's own.
     #[inline(always)]
     pub(crate) const fn is_in_runs(&self) -> bool {
-        !self.runs.is_empty() && !self.knots.are_extended()
+        !self.runs.is_empty() && !self.knots.need_plan()
     }
 
     /// Prefetches the data that [`pass`](Self::pass) would read, or the first cubic if no run fits;

@@ -6,7 +6,7 @@ use super::minorant::Minorant;
 use super::part::{part, point, reversed, squared_distance};
 use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stretches::Stretches;
-use super::{Side, Threshold, UncertainCubic};
+use super::{Threshold, UncertainCubic, Verdict};
 use crate::blossom::ControlPolygon;
 use crate::guess::least_point;
 use crate::real::Real;
@@ -35,7 +35,7 @@ struct PartitionSearch {
 
 /// The sign pattern of a part's Bernstein coefficients against both levels.
 enum PartPattern {
-    Uniform(Side),
+    Uniform(Verdict),
     /// Crosses each of these levels once, outwards.
     Rising(Crossed),
     /// Crosses each of these levels once, inwards.
@@ -52,8 +52,8 @@ struct Crossed {
 
 /// Known facts about a part that must be divided.
 struct Mixed {
-    start: Side,
-    end: Side,
+    start: Verdict,
+    end: Verdict,
     /// Bounds of the squared distance.
     least: f64,
     greatest: f64,
@@ -69,37 +69,42 @@ enum Cut {
     Undecided(f64),
 }
 
-pub(super) fn stretches(given: &UncertainCubic, threshold: Threshold) -> Stretches {
-    if threshold.low.is_nan() || threshold.high.is_nan() || threshold.low > threshold.high {
-        return Stretches::all(Side::Undecided);
+impl UncertainCubic {
+    /// Returns a partition of 0..=1 by the side of the threshold: certainly inside, certainly
+    /// outside, undecided.
+    #[must_use]
+    pub fn stretches(&self, threshold: Threshold) -> Stretches {
+        if threshold.low.is_nan() || threshold.high.is_nan() || threshold.low > threshold.high {
+            return Stretches::all(Verdict::Undecided);
+        }
+        // No distance is negative, however large the error.
+        if threshold.high < 0.0 {
+            return Stretches::all(Verdict::Outside);
+        }
+        let cubic = ScaledCubic::new(self);
+        let low = cubic.bring_below(threshold.low);
+        let high = cubic.bring_above(threshold.high);
+        // What is compared with `own` has passed `computed` before: the four roundings more cover
+        // those of forming the levels themselves.
+        let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
+        let mut search = PartitionSearch {
+            cubic,
+            low,
+            high,
+            own: SquaredThresholds::new(low, high, cubic.error),
+            computed: SquaredThresholds::new(low, high, error),
+            blurred: SquaredThresholds::new(low, high, 4.0 * error),
+            found: Stretches::NONE,
+            work: 0,
+        };
+        if let PartPattern::Uniform(side) = search.pattern(&cubic.points, 0.0) {
+            return Stretches::all(side);
+        }
+        let s = least_point(&cubic.points);
+        search.examine(0.0, s, 0);
+        search.examine(s, 1.0, 0);
+        search.found
     }
-    // No distance is negative, however large the error.
-    if threshold.high < 0.0 {
-        return Stretches::all(Side::Outside);
-    }
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let low = cubic.bring_below(threshold.low);
-    let high = cubic.bring_above(threshold.high);
-    // What is compared with `own` has passed `computed` before: the four roundings more cover those
-    // of forming the levels themselves.
-    let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
-    let mut search = PartitionSearch {
-        cubic,
-        low,
-        high,
-        own: SquaredThresholds::new(low, high, cubic.error),
-        computed: SquaredThresholds::new(low, high, error),
-        blurred: SquaredThresholds::new(low, high, 4.0 * error),
-        found: Stretches::NONE,
-        work: 0,
-    };
-    if let PartPattern::Uniform(side) = search.pattern(&cubic.points, 0.0) {
-        return Stretches::all(side);
-    }
-    let s = least_point(&cubic.points);
-    search.examine(0.0, s, 0);
-    search.examine(s, 1.0, 0);
-    search.found
 }
 
 impl PartitionSearch {
@@ -124,15 +129,15 @@ impl PartitionSearch {
         }
         let (least, greatest) = (least - error, greatest + error);
         if least > self.own.outside {
-            return PartPattern::Uniform(Side::Outside);
+            return PartPattern::Uniform(Verdict::Outside);
         }
         if greatest < self.own.inside {
-            return PartPattern::Uniform(Side::Inside);
+            return PartPattern::Uniform(Verdict::Inside);
         }
         let inside = SignPattern::of(&coefficients, error, self.own.inside);
         let outside = SignPattern::of(&coefficients, error, self.own.outside);
         match (inside, outside) {
-            (SignPattern::Above, SignPattern::Below) => PartPattern::Uniform(Side::Undecided),
+            (SignPattern::Above, SignPattern::Below) => PartPattern::Uniform(Verdict::Undecided),
             (SignPattern::Rising | SignPattern::Above, SignPattern::Rising)
             | (SignPattern::Rising, SignPattern::Below) => PartPattern::Rising(Crossed {
                 inside: inside == SignPattern::Rising,
@@ -154,8 +159,8 @@ impl PartitionSearch {
 
     /// Returns true if the part stays so near the threshold that dividing it gains nothing.
     fn is_undecidable(&self, mixed: &Mixed) -> bool {
-        self.blurred.side(mixed.least, mixed.least) != Side::Inside
-            && self.blurred.side(mixed.greatest, mixed.greatest) != Side::Outside
+        self.blurred.side(mixed.least, mixed.least) != Verdict::Inside
+            && self.blurred.side(mixed.greatest, mixed.greatest) != Verdict::Outside
     }
 
     /// Returns the cut of a part, counted from its end that is not outside.
@@ -220,7 +225,7 @@ impl PartitionSearch {
         self.work += 1;
         if self.work > MAX_WORK {
             self.found.give_up();
-            self.found.append(end, Side::Undecided);
+            self.found.append(end, Verdict::Undecided);
             return;
         }
         let points = part(&self.cubic.points, start, end);
@@ -228,20 +233,20 @@ impl PartitionSearch {
             PartPattern::Uniform(side) => self.found.append(end, side),
             PartPattern::Rising(crossed) => {
                 let (inside, outside) = self.crossing(&points, (start, end), crossed);
-                self.found.append(inside, Side::Inside);
-                self.found.append(outside, Side::Undecided);
-                self.found.append(end, Side::Outside);
+                self.found.append(inside, Verdict::Inside);
+                self.found.append(outside, Verdict::Undecided);
+                self.found.append(end, Verdict::Outside);
             }
             PartPattern::Falling(crossed) => {
                 let points = reversed(points);
                 let (inside, outside) = self.crossing(&points, (end, start), crossed);
-                self.found.append(outside, Side::Outside);
-                self.found.append(inside, Side::Undecided);
-                self.found.append(end, Side::Inside);
+                self.found.append(outside, Verdict::Outside);
+                self.found.append(inside, Verdict::Undecided);
+                self.found.append(end, Verdict::Inside);
             }
             PartPattern::Mixed(mixed) => {
                 if end - start < SHORTEST || self.is_undecidable(&mixed) {
-                    self.found.append(end, Side::Undecided);
+                    self.found.append(end, Verdict::Undecided);
                 } else {
                     self.divide(start, end, &points, &mixed, depth);
                 }
@@ -257,10 +262,13 @@ impl PartitionSearch {
         } else {
             *points
         };
-        match (mixed.start == Side::Outside, mixed.end == Side::Outside) {
+        match (
+            mixed.start == Verdict::Outside,
+            mixed.end == Verdict::Outside,
+        ) {
             (true, true) => {
                 if Minorant::of(&inner).lower() > self.computed.outside {
-                    self.found.append(end, Side::Outside);
+                    self.found.append(end, Verdict::Outside);
                     return;
                 }
             }
@@ -291,15 +299,15 @@ impl PartitionSearch {
         let (width, rounding) = (end - start, 4.0 * UNIT_ROUNDOFF * end);
         let inner = |search: &mut Self, start: f64, end: f64| match cut {
             Cut::Examine(_) => search.examine(start, end, depth + 1),
-            Cut::Undecided(_) | Cut::None => search.found.append(end, Side::Undecided),
+            Cut::Undecided(_) | Cut::None => search.found.append(end, Verdict::Undecided),
         };
         if is_falling {
             let s = (end - x * width - rounding).or_more(start);
-            self.found.append(s, Side::Outside);
+            self.found.append(s, Verdict::Outside);
             inner(self, s, end);
         } else {
             inner(self, start, (start + x * width + rounding).or_less(end));
-            self.found.append(end, Side::Outside);
+            self.found.append(end, Verdict::Outside);
         }
         true
     }

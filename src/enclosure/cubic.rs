@@ -7,7 +7,7 @@ use glam::DVec3;
 ///
 /// ```
 /// use nearmiss::glam::DVec3;
-/// use nearmiss::internals::enclosure::{Side, Threshold, UncertainCubic};
+/// use nearmiss::internals::enclosure::{Threshold, UncertainCubic, Verdict};
 ///
 /// // Straight past the origin, 3 m off; the exact motion is within a nanometre of that.
 /// let cubic = UncertainCubic::new([-6.0, -2.0, 2.0, 6.0].map(|x| DVec3::new(x, 3.0, 0.0)), 1e-9)?;
@@ -15,15 +15,42 @@ use glam::DVec3;
 /// assert!(least.low <= 3.0 && 3.0 <= least.high && least.high - least.low < 3e-9);
 ///
 /// let stretches = cubic.stretches(Threshold { low: 5.0, high: 5.0 });
-/// let sides: Vec<Side> = stretches.as_slice().iter().map(|stretch| stretch.side).collect();
-/// use Side::{Inside, Outside, Undecided};
-/// assert_eq!(sides, [Outside, Undecided, Inside, Undecided, Outside]);
+/// let sides = stretches.as_slice().iter().map(|stretch| stretch.side);
+/// use Verdict::{Inside, Outside, Undecided};
+/// assert!(sides.eq([Outside, Undecided, Inside, Undecided, Outside]));
 /// # Ok::<(), nearmiss::internals::enclosure::OutOfRange>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainCubic {
     pub(super) points: [DVec3; 4],
     pub(super) error: f64,
+}
+
+impl UncertainCubic {
+    /// Returns the cubic with these Bézier control points (m) on 0..=1; the exact cubic is nowhere
+    /// farther than `error` (m) from it.
+    ///
+    /// # Errors
+    ///
+    /// [`OutOfRange`] for numbers that are not finite or beyond 1e300, or a negative error.
+    pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
+        if is_in_range(&points, error, 1e300) {
+            Ok(Self { points, error })
+        } else {
+            Err(OutOfRange)
+        }
+    }
+
+    /// Returns a cubic with finite control points, possibly beyond 1e300.
+    pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
+        debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
+        Self { points, error }
+    }
+}
+
+fn is_in_range(points: &[DVec3; 4], error: f64, largest: f64) -> bool {
+    let is_served = |p: &DVec3| p.abs().max_element() <= largest && !p.is_nan();
+    points.iter().all(is_served) && (0.0..=largest).contains(&error)
 }
 
 /// Error: a number of the input is not finite or beyond 1e300, or the error is negative.
@@ -59,14 +86,18 @@ pub struct Threshold {
     pub high: f64,
 }
 
-/// The certain relation of the distance to the threshold over a stretch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Nearer than the threshold throughout the stretch, its ends included.
-    Inside,
-    /// Farther than the threshold throughout the stretch, its ends included.
+/// The certain relation of a distance to a threshold, or to an inner and an outer one.
+///
+/// The distance is the least one of a pair of bodies during a span, or the distance at every
+/// instant of a [`Stretch`], its ends included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// Certainly farther than the (outer) threshold.
     Outside,
-    /// Within the error of the threshold, or left open by the work limit.
+    /// Certainly nearer than the (inner) threshold.
+    Inside,
+    /// Hidden by rounding, between the thresholds, or left open by a work limit.
+    #[default]
     Undecided,
 }
 
@@ -77,8 +108,8 @@ pub struct Stretch {
     pub first: f64,
     /// Upper end (local parameter).
     pub last: f64,
-    /// Relation to the threshold.
-    pub side: Side,
+    /// Relation of the distance to the threshold, at every instant.
+    pub side: Verdict,
 }
 
 /// The way a search ended; the answer is certified in both cases.

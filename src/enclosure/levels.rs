@@ -1,6 +1,6 @@
 //! Relation of a squared distance to the levels of a threshold.
 
-use super::Side;
+use super::Verdict;
 use super::scaled::TINY;
 use crate::rounding::UNIT_ROUNDOFF;
 
@@ -30,13 +30,13 @@ impl SquaredThresholds {
         }
     }
 
-    pub(super) fn side(&self, low: f64, high: f64) -> Side {
+    pub(super) fn side(&self, low: f64, high: f64) -> Verdict {
         if high < self.inside {
-            Side::Inside
+            Verdict::Inside
         } else if low > self.outside {
-            Side::Outside
+            Verdict::Outside
         } else {
-            Side::Undecided
+            Verdict::Undecided
         }
     }
 }
@@ -142,10 +142,10 @@ mod tests {
     #[test]
     fn impossible_levels_are_at_minus_infinity() {
         let nothing_inside = SquaredThresholds::new(1.0, 1.0, 2.0);
-        assert_eq!(nothing_inside.side(-9.0, -9.0), Side::Undecided);
-        assert_eq!(nothing_inside.side(9.1, 9.2), Side::Outside);
+        assert_eq!(nothing_inside.side(-9.0, -9.0), Verdict::Undecided);
+        assert_eq!(nothing_inside.side(9.1, 9.2), Verdict::Outside);
         let all_outside = SquaredThresholds::new(-3.0, -3.0, 2.0);
-        assert_eq!(all_outside.side(-9.0, 0.0), Side::Outside);
+        assert_eq!(all_outside.side(-9.0, 0.0), Verdict::Outside);
     }
 
     /// Includes thresholds that the error nearly cancels.

@@ -49,71 +49,87 @@ fn outward(s: f64, direction: f64) -> f64 {
     s + direction * (4.0 * UNIT_ROUNDOFF * s.abs())
 }
 
-/// Returns the least distance of an exact motion that is a cubic.
-pub(super) fn least_distance(given: &UncertainCubic) -> LeastDistance {
-    least_distance_in(given, |search, hull| search.narrowed(hull))
+impl UncertainCubic {
+    /// Returns the least distance from the origin, of an exact motion that is a cubic.
+    #[must_use]
+    pub fn least_distance(&self) -> LeastDistance {
+        let cubic = ScaledCubic::new(self);
+        let (search, least) = searched(&cubic);
+        LeastDistance {
+            parameter: search.narrowed(least.parameter),
+            ..least
+        }
+    }
+
+    /// Returns the least distance from the origin, of any motion within the error.
+    #[must_use]
+    pub fn least_distance_of_any_motion(&self) -> LeastDistance {
+        searched(&ScaledCubic::new(self)).1
+    }
+
+    /// Returns the least distance, and a parameter at which it is attained; faster if that is
+    /// `guess`.
+    pub(crate) fn nearest(&self, guess: Option<f64>) -> (DistanceEnclosure, f64) {
+        let cubic = ScaledCubic::new(self);
+        let guess = guess.unwrap_or_else(|| least_point(&cubic.points));
+        let (mut search, minorants) = BranchAndBound::new(&cubic, guess);
+        if !search.is_tight() {
+            search.branch(search.sides(&minorants));
+        }
+        (search.distance(), search.best)
+    }
+
+    /// Returns a parameter at which the least distance is attained, up to rounding: probably `guess`.
+    /// `lowers` bounds the squared distance on the halves of both sides of that, in their order; valid
+    /// within 1e-50..1e50.
+    pub(crate) fn least_parameter(&self, guess: f64, lowers: [f64; 4]) -> f64 {
+        let cubic = ScaledCubic::new(self);
+        let mut search = BranchAndBound {
+            cubic: &cubic,
+            error: cubic.part_error(),
+            best: guess,
+            square: point(&cubic.points, guess).length_squared(),
+            lower: f64::NEG_INFINITY,
+        };
+        let ends = [0.0, 0.5 * guess, guess, 0.5 * (guess + 1.0), 1.0];
+        let lowers = lowers.map(|square| cubic.bring_square(square));
+        search.branch(parts_between(&ends, &lowers));
+        search.best
+    }
+
+    /// Returns the distance from the origin at a parameter in 0..=1.
+    ///
+    /// # Panics
+    ///
+    /// In debug builds, for a parameter outside 0..=1.
+    #[must_use]
+    pub fn distance_at(&self, parameter: f64) -> DistanceEnclosure {
+        debug_assert!((0.0..=1.0).contains(&parameter), "a parameter within 0..=1");
+        let cubic = ScaledCubic::new(self);
+        let square = point(&cubic.points, parameter).length_squared();
+        let below = square * (1.0 - 4.0 * UNIT_ROUNDOFF);
+        cubic.restore(enclosure(below, square, cubic.part_error()))
+    }
 }
 
-/// Returns the least distance of any motion within the error: slopes tell nothing.
-pub(super) fn least_distance_of_any_motion(given: &UncertainCubic) -> LeastDistance {
-    least_distance_in(given, |_, hull| hull.unwrap_or(ParameterEnclosure::WHOLE))
-}
-
-/// Returns the least distance; `narrowed` encloses its parameters, given an enclosure by values.
+/// Returns a search for the least distance at its end, and the result for any motion within the
+/// error: slopes tell nothing about its parameters.
 #[inline]
-fn least_distance_in(
-    given: &UncertainCubic,
-    narrowed: impl Fn(&BranchAndBound<'_>, Option<ParameterEnclosure>) -> ParameterEnclosure,
-) -> LeastDistance {
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let (mut search, minorants) = BranchAndBound::new(&cubic, least_point(&cubic.points));
+fn searched(cubic: &ScaledCubic) -> (BranchAndBound<'_>, LeastDistance) {
+    let (mut search, minorants) = BranchAndBound::new(cubic, least_point(&cubic.points));
     let (hull, effort) = if search.is_tight() {
         (search.hull(&minorants), Effort::Tight)
     } else {
         let (parts, effort) = search.branch(search.sides(&minorants));
         (search.hull_of(&parts), effort)
     };
-    LeastDistance {
+    let least = LeastDistance {
         distance: search.distance(),
-        parameter: narrowed(&search, hull),
+        parameter: hull.unwrap_or(ParameterEnclosure::WHOLE),
         guess: search.best,
         effort,
-    }
-}
-
-/// Returns the least distance, and a parameter at which it is attained: probably `guess`, if given.
-pub(super) fn nearest(given: &UncertainCubic, guess: Option<f64>) -> (DistanceEnclosure, f64) {
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let guess = guess.unwrap_or_else(|| least_point(&cubic.points));
-    let (mut search, minorants) = BranchAndBound::new(&cubic, guess);
-    if !search.is_tight() {
-        search.branch(search.sides(&minorants));
-    }
-    (search.distance(), search.best)
-}
-
-/// Returns a parameter at which the least distance is attained, up to rounding. `lowers` are bounds of the
-/// squared distance on the halves of both sides of a parameter that is probably that one.
-pub(super) fn least_parameter(given: &UncertainCubic, guess: f64, lowers: [f64; 4]) -> f64 {
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let mut search = BranchAndBound {
-        cubic: &cubic,
-        error: cubic.part_error(),
-        best: guess,
-        square: point(&cubic.points, guess).length_squared(),
-        lower: f64::NEG_INFINITY,
     };
-    let ends = [0.0, 0.5 * guess, guess, 0.5 * (guess + 1.0), 1.0];
-    let lowers = lowers.map(|square| cubic.bring_square(square));
-    search.branch(parts_between(&ends, &lowers));
-    search.best
-}
-
-pub(super) fn distance_at(given: &UncertainCubic, s: f64) -> DistanceEnclosure {
-    let cubic = ScaledCubic::new(&given.points, given.error);
-    let square = point(&cubic.points, s).length_squared();
-    let below = square * (1.0 - 4.0 * UNIT_ROUNDOFF);
-    cubic.restore(enclosure(below, square, cubic.part_error()))
+    (search, least)
 }
 
 /// Returns the enclosure from a lower bound of the computed squared distance, and an attained one;
@@ -210,12 +226,9 @@ impl<'c> BranchAndBound<'c> {
     }
 
     /// Returns the hull, narrowed by the slope at the best point if the distance is convex there.
-    fn narrowed(&self, hull: Option<ParameterEnclosure>) -> ParameterEnclosure {
+    fn narrowed(&self, hull: ParameterEnclosure) -> ParameterEnclosure {
         const WIDEST: f64 = 0.125;
         let s = self.best;
-        let Some(hull) = hull else {
-            return ParameterEnclosure::WHOLE;
-        };
         let [before, after] = split(&self.cubic.points, s);
         let (longer, length) = if s > 0.5 {
             (before, s)

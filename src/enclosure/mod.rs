@@ -201,83 +201,11 @@ mod stationary;
 mod stretches;
 
 pub use cubic::{
-    DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Side, Stretch,
-    Threshold, UncertainCubic,
+    DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Stretch, Threshold,
+    UncertainCubic, Verdict,
 };
 pub(crate) use minimum::{enclosure, target};
 pub(crate) use minorant::Minorant;
 pub(crate) use part::{from_nearer, part, reversed, split, squared_distance};
 pub(crate) use scaled::part_error;
 pub use stretches::Stretches;
-
-use glam::DVec3;
-
-impl UncertainCubic {
-    /// Returns the cubic with these Bézier control points (m) on 0..=1; the exact cubic is nowhere
-    /// farther than `error` (m) from it.
-    ///
-    /// # Errors
-    ///
-    /// [`OutOfRange`] for numbers that are not finite or beyond 1e300, or a negative error.
-    pub fn new(points: [DVec3; 4], error: f64) -> Result<Self, OutOfRange> {
-        if is_in_range(&points, error, 1e300) {
-            Ok(Self { points, error })
-        } else {
-            Err(OutOfRange)
-        }
-    }
-
-    /// Returns a cubic with finite control points, possibly beyond 1e300.
-    pub(crate) fn finite(points: [DVec3; 4], error: f64) -> Self {
-        debug_assert!(is_in_range(&points, error, f64::MAX), "finite numbers");
-        Self { points, error }
-    }
-
-    /// Returns the least distance from the origin, of an exact motion that is a cubic.
-    #[must_use]
-    pub fn least_distance(&self) -> LeastDistance {
-        minimum::least_distance(self)
-    }
-
-    /// Returns the least distance from the origin, of any motion within the error.
-    #[must_use]
-    pub fn least_distance_of_any_motion(&self) -> LeastDistance {
-        minimum::least_distance_of_any_motion(self)
-    }
-
-    /// Returns the least distance, and a parameter at which it is attained; faster if that is
-    /// `guess`.
-    pub(crate) fn nearest(&self, guess: Option<f64>) -> (DistanceEnclosure, f64) {
-        minimum::nearest(self, guess)
-    }
-
-    /// Returns a parameter at which the least distance is attained, up to rounding: probably `guess`.
-    /// `lowers` bounds the squared distance on the halves of both sides of that, in their order; valid
-    /// within 1e-50..1e50.
-    pub(crate) fn least_parameter(&self, guess: f64, lowers: [f64; 4]) -> f64 {
-        minimum::least_parameter(self, guess, lowers)
-    }
-
-    /// Returns the distance from the origin at a parameter in 0..=1.
-    ///
-    /// # Panics
-    ///
-    /// In debug builds, for a parameter outside 0..=1.
-    #[must_use]
-    pub fn distance_at(&self, parameter: f64) -> DistanceEnclosure {
-        debug_assert!((0.0..=1.0).contains(&parameter), "a parameter within 0..=1");
-        minimum::distance_at(self, parameter)
-    }
-
-    /// Returns a partition of 0..=1 by the side of the threshold: certainly inside, certainly
-    /// outside, undecided.
-    #[must_use]
-    pub fn stretches(&self, threshold: Threshold) -> Stretches {
-        crossings::stretches(self, threshold)
-    }
-}
-
-fn is_in_range(points: &[DVec3; 4], error: f64, largest: f64) -> bool {
-    let is_served = |p: &DVec3| p.abs().max_element() <= largest && !p.is_nan();
-    points.iter().all(is_served) && (0.0..=largest).contains(&error)
-}

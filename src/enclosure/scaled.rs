@@ -1,6 +1,6 @@
 //! Scaling by powers of two, so that squares and products of squares stay in range.
 
-use super::DistanceEnclosure;
+use super::{DistanceEnclosure, UncertainCubic};
 use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
@@ -30,8 +30,8 @@ pub(super) struct ScaledCubic {
 
 impl ScaledCubic {
     /// Returns the scaled cubic; control points and `error >= 0` must be finite.
-    pub(super) fn new(points: &[DVec3; 4], error: f64) -> Self {
-        let [a, b, c, d] = *points;
+    pub(super) fn new(&UncertainCubic { points, error }: &UncertainCubic) -> Self {
+        let [a, b, c, d] = points;
         let largest = (a.abs().max(b.abs())).max(c.abs().max(d.abs()));
         let power = normalising_power(largest.max_element().max(error));
         // Scaling loses at most 2^-1075 per component.
@@ -138,7 +138,7 @@ mod tests {
             };
             let points = [large, small, small, small].map(|size| vector(&mut rng, size));
             let error = if round % 3 == 0 { 0.0 } else { small };
-            let cubic = ScaledCubic::new(&points, error);
+            let cubic = ScaledCubic::new(&UncertainCubic { points, error });
             let factor = number(cubic.unit);
             for (point, given) in cubic.points.into_iter().zip(points) {
                 let off = Exact::of(point).times(&factor).minus(&Exact::of(given));
@@ -159,7 +159,10 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for _ in 0..5_000 {
             let size = size_of(&mut rng);
-            let cubic = ScaledCubic::new(&[vector(&mut rng, size); 4], 0.0);
+            let cubic = ScaledCubic::new(&UncertainCubic {
+                points: [vector(&mut rng, size); 4],
+                error: 0.0,
+            });
             let factor = number(cubic.unit);
             let length = 10f64.powf(rng.random_range(-320.0..2.0));
             let given = length.min(1e300 / cubic.unit.max(1.0));

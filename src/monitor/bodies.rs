@@ -108,7 +108,7 @@ impl<'m> BodyTable<'m> {
         let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
         // Beyond the instant up to which it is followed, a plan may go anywhere.
         let is_extended =
-            interval.1 > monitored.until() || monitored.knots(&body.trajectory).are_extended();
+            interval.1 > monitored.until() || monitored.knots(&body.trajectory).need_plan();
         let (_, entry) = self.scene.in_slot(slot)?;
         HeightRange::of(entry, is_extended, interval, normal)
     }

@@ -25,7 +25,7 @@ use super::stretches::{DistanceProfile, NEVER};
 use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
-use crate::enclosure::{Side, Stretch, Threshold};
+use crate::enclosure::{Stretch, Threshold, Verdict};
 use crate::rounding::two_sum;
 use crate::spans::Span;
 use separation::{LeastSeparationSearch, SeparationEnclosure};
@@ -65,7 +65,7 @@ struct UncertainPair {
 pub(super) struct VerdictInterval {
     start: f64,
     end: f64,
-    side: Side,
+    side: Verdict,
     member: usize,
 }
 
@@ -145,7 +145,7 @@ pub(crate) fn certified_contacts(
                 return;
             };
             // Only what is certain keeps others from being looked at.
-            let inside = parts.iter().filter(|part| part.side == Side::Inside);
+            let inside = parts.iter().filter(|part| part.side == Verdict::Inside);
             proven_contacts.extend(inside.map(|part| ProvenContact {
                 enter: part.start,
                 exit: part.end,
@@ -279,16 +279,16 @@ fn push_parts(
     let threshold = band.threshold((pair.radius_a, pair.radius_b));
     let stretches = pair.uncertain().stretches(threshold);
     for &Stretch { first, last, side } in stretches.as_slice() {
-        if side == Side::Outside {
+        if side == Verdict::Outside {
             continue;
         }
         let outer = (pair.cubic.earliest(first), pair.cubic.latest(last));
         let inner = (pair.cubic.latest(first), pair.cubic.earliest(last));
         // What the rounding of its times eats up is not certain any more.
-        let (times, side) = if side == Side::Inside && inner.0 <= inner.1 {
+        let (times, side) = if side == Verdict::Inside && inner.0 <= inner.1 {
             (inner, side)
         } else {
-            (outer, Side::Undecided)
+            (outer, Verdict::Undecided)
         };
         let (start, end) = (times.0.max(clip.0), times.1.min(clip.1));
         if start <= end {
@@ -331,7 +331,7 @@ fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
         start: part.start,
         end: part.end,
         count: 1,
-        is_inside: part.side == Side::Inside,
+        is_inside: part.side == Verdict::Inside,
     }));
     shares.sort_unstable_by_key(|share| share.member);
     shares.dedup_by(|later, share| {
@@ -377,8 +377,7 @@ impl MergedConflict<'_> {
             let is_nearer = approach.separation < best.separation;
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
-            let radius = contact_radius(pair.radius_a, pair.radius_b, band.outer);
-            let radius = radius.max(0.0);
+            let radius = pair.radius(band.outer).max(0.0);
             profile.stretches(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
                 if exit >= self.start && enter <= self.end {
                     first = first.min(enter);
@@ -440,7 +439,8 @@ impl MergedConflict<'_> {
     fn ends(&self) -> (TimeEnclosure, TimeEnclosure, bool) {
         let mut inside: Option<(f64, f64)> = None;
         let mut has_gap = false;
-        for part in self.parts.iter().filter(|part| part.side == Side::Inside) {
+        let parts = self.parts.iter();
+        for part in parts.filter(|part| part.side == Verdict::Inside) {
             let (start, end) = inside.unwrap_or((part.start, part.end));
             has_gap |= part.start > end;
             inside = Some((start, end.max(part.end)));

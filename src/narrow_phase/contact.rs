@@ -342,9 +342,8 @@ impl ClosestSearch {
     }
 
     /// Adds a pair of spheres over a span; returns the new value of `least_so_far`, m.
-    pub(super) fn push(&mut self, pair: &SpherePair, span: Span, (from, to): (f64, f64)) -> f64 {
-        let instant = DistanceProfile::of(&pair.cubic).closest(&pair.cubic, from, to);
-        let approach = pair.approach(span, instant);
+    pub(super) fn push(&mut self, pair: &SpherePair, span: Span, times: (f64, f64)) -> f64 {
+        let approach = pair.closest(span, times);
         self.found.push(approach);
         self.least_so_far = self.least_so_far.min(approach.separation);
         self.least_so_far

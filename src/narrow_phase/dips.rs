@@ -6,21 +6,16 @@
 //! this. So a span is halved towards such places, and each part is solved relative to its own size,
 //! until only rounding is left.
 
+use super::crossing::ProfileNode;
 use super::relative::RelativeCubic;
 use super::squared_distance::SquaredDistance;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
+use arrayvec::ArrayVec;
 
 /// Share of the size of a part: beyond this distance the squared distance shows all minima.
 const NEAR: f64 = 1.0 / 256.0;
-
-/// A local parameter of a span, and the distance there (m).
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extremum {
-    pub(super) s: f64,
-    pub(super) distance: f64,
-}
 
 /// Returns true if minima of a span may be lost, given the least distance at the nodes found (m).
 pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
@@ -39,24 +34,16 @@ fn is_swift(cubic: &RelativeCubic) -> bool {
 }
 
 /// The local extrema of the distance, in order, and both ends of the span.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DistanceExtrema {
-    places: [Extremum; Self::ROOM],
-    count: usize,
-}
+pub(super) struct DistanceExtrema(ArrayVec<ProfileNode, { 2 * Self::MAX }>);
 
 impl DistanceExtrema {
     /// Largest number of extrema of a span, ends included.
     const MAX: usize = MAX_STATIONARY + 2;
-    const ROOM: usize = 2 * Self::MAX;
 
     /// Returns the extrema of a whole span.
     #[cold]
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
-        let mut extrema = Self {
-            places: [Extremum::default(); Self::ROOM],
-            count: 0,
-        };
+        let mut extrema = Self(ArrayVec::new());
         extrema.push(cubic, 0.0);
         extrema.search(cubic, (0.0, 1.0), 0);
         // The end is one whatever came before.
@@ -65,8 +52,8 @@ impl DistanceExtrema {
         extrema
     }
 
-    pub(super) fn as_slice(&self) -> &[Extremum] {
-        &self.places[..self.count]
+    pub(super) fn as_slice(&self) -> &[ProfileNode] {
+        &self.0
     }
 
     /// Appends the extrema inside a part of the span, and its end; its start is already there.
@@ -77,7 +64,7 @@ impl DistanceExtrema {
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
         if !is_rounding && !SquaredDistance::of(&part).is_monotonic() {
             let found = stationary_points(&part);
-            let inside = found.as_slice().iter().map(|s| from + s * (to - from));
+            let inside = found.iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);
             let least = all.map(|s| cubic.distance(s)).fold(f64::INFINITY, f64::min);
             if may_be_hidden(&part, least) {
@@ -95,36 +82,31 @@ impl DistanceExtrema {
 
     /// Appends an extremum; replaces the previous one if the distance only continues its course.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
-        let new = Extremum {
-            s,
-            distance: cubic.distance(s),
-        };
+        let new = ProfileNode::at(cubic, s);
         if let [.., before, last] = self.as_slice() {
             let (rose, rises) = (
                 last.distance >= before.distance,
                 new.distance >= last.distance,
             );
             if rose == rises {
-                self.count -= 1;
+                self.0.pop();
             }
         }
-        if self.count == Self::ROOM {
+        if self.0.is_full() {
             self.reduce(Self::MAX);
         }
-        self.places[self.count] = new;
-        self.count += 1;
+        self.0.push(new);
     }
 
     /// Removes extrema in pairs with the least change of distance between them: more than a span
     /// can have come from rounding.
     fn reduce(&mut self, most: usize) {
-        while self.count > most {
-            let changes = self.as_slice()[1..self.count - 1].windows(2);
+        while self.0.len() > most {
+            let changes = self.0[1..self.0.len() - 1].windows(2);
             let changes = changes.map(|ends| (ends[1].distance - ends[0].distance).abs());
             let least = changes.enumerate().min_by(|x, y| x.1.total_cmp(&y.1));
             let Some((number, _)) = least else { return };
-            self.places.copy_within(number + 3..self.count, number + 1);
-            self.count -= 2;
+            self.0.drain(number + 1..number + 3);
         }
     }
 }
@@ -142,7 +124,7 @@ fn part_of(cubic: &RelativeCubic, (from, to): (f64, f64)) -> RelativeCubic {
 
 #[cfg(test)]
 mod tests {
-    use super::{DistanceExtrema, Extremum};
+    use super::{DistanceExtrema, ProfileNode};
 
     /// Surplus extrema go where the distance changes least, except for the ends.
     #[test]
@@ -160,16 +142,14 @@ mod tests {
             0.0,
             5.0,
         ];
-        let mut extrema = DistanceExtrema {
-            places: [Extremum::default(); DistanceExtrema::ROOM],
-            count: distances.len(),
-        };
-        for (place, (s, distance)) in extrema.places.iter_mut().zip((0_u8..).zip(distances)) {
-            let s = f64::from(s);
-            *place = Extremum { s, distance };
-        }
+        let nodes = (0_u8..).zip(distances).map(|(s, distance)| ProfileNode {
+            s: f64::from(s),
+            time: 0.0,
+            distance,
+        });
+        let mut extrema = DistanceExtrema(nodes.collect());
         extrema.reduce(DistanceExtrema::MAX);
-        let left: Vec<f64> = extrema.as_slice().iter().map(|place| place.s).collect();
+        let left: Vec<f64> = extrema.as_slice().iter().map(|node| node.s).collect();
         assert_eq!(left, [0.0, 1.0, 4.0, 5.0, 6.0, 9.0, 10.0]);
     }
 }

@@ -81,7 +81,7 @@ impl<'a> BodyView<'a> {
     /// Returns cubic number `number`.
     #[inline(always)]
     pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
-        if !self.knots.are_extended() {
+        if !self.knots.need_plan() {
             return Cow::Borrowed(&self.segments[number]);
         }
         match self.knots.segment_beyond(number) {
@@ -93,7 +93,7 @@ impl<'a> BodyView<'a> {
     /// Returns the cubics that two bodies follow in a span.
     #[inline(always)]
     pub(crate) fn segments_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
-        if self.knots.are_extended() || other.knots.are_extended() {
+        if self.knots.need_plan() || other.knots.need_plan() {
             return self.segments_formed_in(other, span);
         }
         let (a, b) = (span.a as usize, span.b as usize);

@@ -55,17 +55,11 @@ impl RelativeCubic {
     /// constant motion stays exactly constant.
     #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
-        let [p0, p1, p2, p3] = self.points;
-        if s <= 0.5 {
-            PowerForm::of(p0, p1, p2, p3).at(s)
-        } else {
-            let (position, rate) = PowerForm::of(p3, p2, p1, p0).at(1.0 - s);
-            (position, -rate)
-        }
+        self.power_forms().at(s)
     }
 
     /// Returns the power forms of both ends, which evaluate [`at`](Self::at) for many s.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn power_forms(&self) -> PowerForms {
         let [p0, p1, p2, p3] = self.points;
         PowerForms {
@@ -189,7 +183,7 @@ struct PowerForm {
 
 impl PowerForm {
     /// Returns the power form of control points from the chosen end on.
-    #[inline]
+    #[inline(always)]
     fn of(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> Self {
         Self {
             coefficients: [

@@ -151,10 +151,16 @@ impl SpherePair {
         );
     }
 
+    /// Returns the closest approach between two instants of a span.
+    pub(super) fn closest(&self, span: Span, (from, to): (f64, f64)) -> Approach {
+        let profile = DistanceProfile::of(&self.cubic);
+        self.approach(span, profile.closest(&self.cubic, from, to))
+    }
+
     /// Returns an attained separation (m) between two instants of a span, rounding included.
-    pub(super) fn reaches(&self, span: Span, (from, to): (f64, f64)) -> f64 {
-        let instant = DistanceProfile::of(&self.cubic).closest(&self.cubic, from, to);
-        self.approach(span, instant).separation + self.cubic.tolerance() + self.cubic.blur()
+    pub(super) fn reaches(&self, span: Span, times: (f64, f64)) -> f64 {
+        let closest = self.closest(span, times);
+        closest.separation + self.cubic.tolerance() + self.cubic.blur()
     }
 
     /// Returns the centres' relative motion as input of certified enclosures.
@@ -182,7 +188,7 @@ impl SpherePair {
         let radii = (self.radius_a, self.radius_b);
         if self.path_error > 0.0 {
             let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
-            let radius = contact_radius(self.radius_a, self.radius_b, margin) + self.path_error;
+            let radius = self.radius(margin) + self.path_error;
             return radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding);
         }
         let [segment_a, segment_b] = &a.segments_in(b, span);

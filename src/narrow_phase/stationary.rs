@@ -6,55 +6,39 @@
 //! where the distance is small.
 
 use super::relative::RelativeCubic;
-use crate::polynomial::{Polynomial, Roots};
+use crate::polynomial::roots;
 use crate::rounding::normalising_power;
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Largest number of stationary points inside a span.
 pub(crate) const MAX_STATIONARY: usize = 5;
 
-/// Local parameters of the stationary points inside a span, increasing.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct StationaryPoints {
-    points: [f64; MAX_STATIONARY],
-    count: usize,
-}
-
-impl StationaryPoints {
-    pub(crate) fn as_slice(&self) -> &[f64] {
-        &self.points[..self.count]
-    }
-
-    fn push(&mut self, s: f64) {
-        let distinct = self.count == 0 || s > self.points[self.count - 1];
-        if distinct && self.count < MAX_STATIONARY && s > 0.0 && s < 1.0 {
-            self.points[self.count] = s;
-            self.count += 1;
-        }
-    }
-}
-
-/// Returns the stationary points of the distance inside the span, each minimum polished.
-pub(crate) fn stationary_points(cubic: &RelativeCubic) -> StationaryPoints {
-    let mut found = StationaryPoints::default();
-    let derivative = squared_distance(cubic).derivative();
-    if let Roots::At(roots) = derivative.roots_in(-1.0, 1.0, 0.0) {
-        let roots = &roots[..];
-        for (k, &u) in roots.iter().enumerate() {
-            // Polishing never passes a neighbour: the order of minima and maxima stays.
-            let low = found.as_slice().last().copied().unwrap_or(0.0);
-            let high = roots.get(k + 1).map_or(1.0, |next| 0.5 + 0.5 * next);
-            found.push(polish(cubic, 0.5 + 0.5 * u, (low, high)));
+/// Returns the stationary points of the distance inside the span, each minimum polished: increasing
+/// local parameters.
+pub(crate) fn stationary_points(cubic: &RelativeCubic) -> ArrayVec<f64, MAX_STATIONARY> {
+    let mut found = ArrayVec::new();
+    let roots = roots(slope(cubic), 0.0);
+    for (k, &u) in roots.iter().enumerate() {
+        // Polishing never passes a neighbour: the order of minima and maxima stays.
+        let last = found.last().copied().unwrap_or(0.0);
+        let high = roots.get(k + 1).map_or(1.0, |next| 0.5 + 0.5 * next);
+        let s = polish(cubic, 0.5 + 0.5 * u, (last, high));
+        if s > last && s < 1.0 && !found.is_full() {
+            found.push(s);
         }
     }
     found
 }
 
-/// Returns the squared distance over u = 2 s - 1 in -1..=1, up to a power of two.
+/// Returns the slope of the squared distance over u = 2 s - 1 in -1..=1, up to a power of two.
 ///
 /// Around the middle of the span the power coefficients stay within a small multiple of the
 /// squared size; around an end they would grow 30 times larger, and their rounding with them.
-fn squared_distance(cubic: &RelativeCubic) -> Polynomial<7> {
+///
+/// The degree is 5, and the last coefficient zero. Without it the roots would be found from other
+/// guesses, and answers differ in the last digit.
+fn slope(cubic: &RelativeCubic) -> [f64; 7] {
     let power = normalising_power(cubic.size);
     let [p0, p1, p2, p3] = cubic.points.map(|point| point * power);
     let (outer, inner) = (p0 + p3, 3.0 * (p1 + p2));
@@ -65,15 +49,15 @@ fn squared_distance(cubic: &RelativeCubic) -> Polynomial<7> {
         (3.0 * outer - inner) * 0.125,
         (outer_step - inner_step) * 0.125,
     ];
-    Polynomial::new([
-        c[0].dot(c[0]),
+    [
         2.0 * c[0].dot(c[1]),
-        2.0 * c[0].dot(c[2]) + c[1].dot(c[1]),
-        2.0 * (c[0].dot(c[3]) + c[1].dot(c[2])),
-        2.0 * c[1].dot(c[3]) + c[2].dot(c[2]),
-        2.0 * c[2].dot(c[3]),
-        c[3].dot(c[3]),
-    ])
+        2.0 * (2.0 * c[0].dot(c[2]) + c[1].dot(c[1])),
+        3.0 * (2.0 * (c[0].dot(c[3]) + c[1].dot(c[2]))),
+        4.0 * (2.0 * c[1].dot(c[3]) + c[2].dot(c[2])),
+        5.0 * (2.0 * c[2].dot(c[3])),
+        6.0 * c[3].dot(c[3]),
+        0.0,
+    ]
 }
 
 /// Moves a stationary point of the rounded polynomial onto the minimum of the distance itself.

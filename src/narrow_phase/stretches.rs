@@ -75,28 +75,20 @@ impl DistanceProfile {
             profile.push(ProfileNode::last(cubic));
             return profile;
         }
-        for &s in stationary_points(cubic).as_slice() {
+        for s in stationary_points(cubic) {
             profile.push(ProfileNode::at(cubic, s));
         }
         profile.push(ProfileNode::last(cubic));
         let distances = profile.nodes().iter().map(|node| node.distance);
         if may_be_hidden(cubic, distances.fold(f64::INFINITY, f64::min)) {
-            profile.turn_at(cubic, &DistanceExtrema::of(cubic));
+            profile.count = 0;
+            let extrema = DistanceExtrema::of(cubic);
+            extrema
+                .as_slice()
+                .iter()
+                .for_each(|node| profile.push(*node));
         }
         profile
-    }
-
-    /// Replaces the nodes by the extrema found.
-    #[cold]
-    fn turn_at(&mut self, cubic: &RelativeCubic, extrema: &DistanceExtrema) {
-        self.count = 0;
-        for place in extrema.as_slice() {
-            self.push(ProfileNode {
-                s: place.s,
-                time: cubic.time(place.s),
-                distance: place.distance,
-            });
-        }
     }
 
     const fn from(first: ProfileNode) -> Self {

@@ -5,17 +5,15 @@
 //! and one change means one; otherwise the interval is halved. A few halvings separate most roots;
 //! the recursion finds the others.
 
+use arrayvec::ArrayVec;
+
 /// Largest number of halvings; the recursion separates closer roots.
 const DEPTH: u8 = 4;
-
-/// Beyond this the powers of the interval's width could overflow.
-const FAR: f64 = 1e30;
 
 /// Upper bound of the loss of a coefficient by underflow.
 const UNDERFLOW: f64 = 1e-300;
 
 /// An interval with one simple root inside.
-#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IsolatingInterval {
     pub(super) low: f64,
     pub(super) high: f64,
@@ -24,21 +22,7 @@ pub(super) struct IsolatingInterval {
     pub(super) start: f64,
 }
 
-/// Up to six isolating intervals in increasing order.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Isolation {
-    intervals: [IsolatingInterval; 6],
-    count: usize,
-}
-
-impl Isolation {
-    pub(super) fn intervals(&self) -> &[IsolatingInterval] {
-        &self.intervals[..self.count]
-    }
-}
-
-/// A part of the interval, in fractions of it, with its Bernstein coefficients.
-#[derive(Clone, Copy)]
+/// A part of -1..=1, in fractions of it, with its Bernstein coefficients.
 struct SubInterval {
     heights: [f64; 7],
     low: f64,
@@ -46,40 +30,30 @@ struct SubInterval {
     depth: u8,
 }
 
-/// Separates all roots of a polynomial of degree at most `D` in `low..=high`.
+/// Separates all roots of a polynomial of degree at most `D` in -1..=1: increasing intervals.
 ///
 /// Returns `None` if that takes too many halvings, or if a coefficient is too close to zero to know
 /// its sign. So all roots found are simple, inside, and neither at the ends nor at a cut.
 #[inline]
 pub(super) fn isolate<const D: usize>(
     coefficients: &[f64; 7],
-    low: f64,
-    high: f64,
-) -> Option<Isolation> {
-    let width = high - low;
-    let heights = heights::<D>(coefficients, low, width);
+) -> Option<ArrayVec<IsolatingInterval, 6>> {
     // Shift, scale and sums have at most 12, 14 and 8 roundings a term, the halvings 6 each; the
-    // terms sum up to the polynomial of absolute coefficients at |low| + width at most.
-    let reach = low.abs() + width;
-    if reach > FAR {
-        return None;
-    }
+    // terms sum up to the polynomial of absolute coefficients at 1 + 2 at most.
     let magnitude = (0..=D)
         .rev()
-        .fold(0.0, |sum, i| sum * reach + coefficients[i].abs());
+        .fold(0.0, |sum, i| sum * 3.0 + coefficients[i].abs());
     let error = 32.0 * f64::EPSILON * magnitude + UNDERFLOW;
 
-    let mut found = Isolation::default();
-    let mut stack = [SubInterval {
-        heights,
+    let mut found = ArrayVec::new();
+    let mut stack = ArrayVec::<_, { DEPTH as usize + 1 }>::new();
+    stack.push(SubInterval {
+        heights: heights::<D>(coefficients),
         low: 0.0,
         high: 1.0,
         depth: 0,
-    }; DEPTH as usize + 1];
-    let mut waiting = 1;
-    while waiting > 0 {
-        waiting -= 1;
-        let part = stack[waiting];
+    });
+    while let Some(part) = stack.pop() {
         let (changes, place, least) = sign_changes::<D>(&part.heights);
         // Written so that an error that is infinite or not a number is not below.
         let certain = least > error;
@@ -89,13 +63,13 @@ pub(super) fn isolate<const D: usize>(
         if changes == 1 {
             let (before, after) = (part.heights[place], part.heights[place + 1]);
             let fraction = (place as f64 + before / (before - after)) / D as f64;
-            *found.intervals.get_mut(found.count)? = IsolatingInterval {
-                low: low + width * part.low,
-                high: low + width * part.high,
+            let interval = IsolatingInterval {
+                low: -1.0 + 2.0 * part.low,
+                high: -1.0 + 2.0 * part.high,
                 negative_at_low: part.heights[0] < 0.0,
-                start: low + width * (part.low + (part.high - part.low) * fraction),
+                start: -1.0 + 2.0 * (part.low + (part.high - part.low) * fraction),
             };
-            found.count += 1;
+            found.try_push(interval).ok()?;
         } else if changes > 1 {
             if part.depth == DEPTH {
                 return None;
@@ -103,38 +77,37 @@ pub(super) fn isolate<const D: usize>(
             let middle = 0.5 * (part.low + part.high);
             let depth = part.depth + 1;
             let (left, right) = halves::<D>(&part.heights);
-            stack[waiting] = SubInterval {
+            stack.push(SubInterval {
                 heights: right,
                 low: middle,
-                high: part.high,
                 depth,
-            };
-            stack[waiting + 1] = SubInterval {
+                ..part
+            });
+            stack.push(SubInterval {
                 heights: left,
-                low: part.low,
                 high: middle,
                 depth,
-            };
-            waiting += 2;
+                ..part
+            });
         }
     }
     Some(found)
 }
 
-/// Returns the Bernstein coefficients over an interval.
+/// Returns the Bernstein coefficients over -1..=1.
 #[inline]
-fn heights<const D: usize>(coefficients: &[f64; 7], low: f64, width: f64) -> [f64; 7] {
+fn heights<const D: usize>(coefficients: &[f64; 7]) -> [f64; 7] {
     let mut values = *coefficients;
-    // The interval becomes 0..=1: shift by `low`, then scale.
+    // The interval becomes 0..=1: shift, then scale.
     for i in 0..D {
         for j in (i..D).rev() {
-            values[j] += low * values[j + 1];
+            values[j] -= values[j + 1];
         }
     }
     let mut scale = 1.0;
     for j in 1..=D {
-        scale *= width;
-        values[j] *= scale * INVERSE_BINOMIALS[D][j];
+        scale *= 2.0;
+        values[j] *= scale * INVERSE_BINOMIALS[D - 5][j];
     }
     for level in (1..=D).rev() {
         for i in level..=D {
@@ -174,13 +147,8 @@ fn halves<const D: usize>(heights: &[f64; 7]) -> ([f64; 7], [f64; 7]) {
     (left, right)
 }
 
-/// 1 / binomial(D, j).
-const INVERSE_BINOMIALS: [[f64; 7]; 7] = [
-    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [1.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0],
-    [1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0, 0.0, 0.0, 0.0],
-    [1.0, 0.25, 1.0 / 6.0, 0.25, 1.0, 0.0, 0.0],
+/// 1 / binomial(D, j), for `D` of 5 and 6.
+const INVERSE_BINOMIALS: [[f64; 7]; 2] = [
     [1.0, 0.2, 0.1, 0.1, 0.2, 1.0, 0.0],
     [1.0, 1.0 / 6.0, 1.0 / 15.0, 0.05, 1.0 / 15.0, 1.0 / 6.0, 1.0],
 ];

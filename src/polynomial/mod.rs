@@ -1,16 +1,11 @@
-//! Polynomials of fixed low degree: evaluation, Bernstein form, real roots.
+//! The real roots of polynomials of degree 5 and 6 between -1 and 1.
 //!
 //! Everything here is plain mathematics on `f64` coefficients, without allocation and without
 //! any notion of bodies, times or distances.
 //!
-//! - [`Polynomial`]: coefficients of 1, x, x², …; evaluation, derivative, roots.
-//! - [`Bernstein`]: coefficients over the unit interval; bounds by the convex hull, subdivision.
-//! - [`quadratic`]: the numerically stable quadratic formula.
-//! - [`Roots`], [`RootList`]: the result of a root search.
-//!
 //! # The roots
 //!
-//! [`Polynomial::roots_in`] follows C. Yuksel, "High-Performance Polynomial Root Finding for
+//! [`roots`] follows C. Yuksel, "High-Performance Polynomial Root Finding for
 //! Graphics", Proceedings of the ACM on Computer Graphics and Interactive Techniques 5(3), 2022:
 //! between two neighbouring roots of the derivative a polynomial is monotone and has at most one
 //! root, which a bracketed Newton iteration finds. The roots of the derivative are found the same
@@ -20,7 +15,7 @@
 //! after a few halvings, that every part holds at most one root (Descartes' rule), Newton's
 //! iteration starts there. Polynomials that rounding leaves uncertain go through the recursion.
 //!
-//! Guarantees, for finite coefficients and a finite interval:
+//! Guarantees, for finite coefficients:
 //!
 //! - *Sorted, and each once.* A multiple root is reported once, whatever its multiplicity.
 //! - *Closed interval.* A root at an end belongs to the interval.
@@ -33,20 +28,52 @@
 //!   given ones by some units of rounding. Where roots are ill-conditioned (clusters, multiple
 //!   roots) the roots of these two polynomials can be far apart: a root of multiplicity m is
 //!   known to about the m-th root of 1e-16, and a cluster may come out as fewer roots.
-//! - *Degenerate input has an answer.* Leading coefficients may be zero or tiny, a nonzero
-//!   constant has no root, and the zero polynomial answers [`Roots::Everywhere`].
+//! - *Degenerate input has an answer.* Leading coefficients may be zero or tiny. A constant has no
+//!   root, not even zero, of which every point is one.
 //!
 //! With a positive `tolerance`, pairs of roots closer than about twice the tolerance may be
 //! reported as one root or as none.
 
-mod bernstein;
 mod isolation;
-mod power;
-mod quadratic;
 mod recursion;
-mod roots;
 
-pub use bernstein::Bernstein;
-pub use power::Polynomial;
-pub use quadratic::quadratic;
-pub use roots::{RootList, Roots};
+use crate::rounding::normalising_power;
+use arrayvec::ArrayVec;
+use recursion::solve;
+
+/// Up to six numbers in increasing order.
+pub type RootList = ArrayVec<f64, 6>;
+
+/// Returns the real roots from -1 to 1 of the sum of `coefficients[i]` times x to the i.
+///
+/// `tolerance` is the largest error of a well-conditioned root; 0 means full precision. The
+/// [module](self) lists the guarantees. The degree is 5 or 6: other lengths do not compile.
+///
+/// ```
+/// use nearmiss::internals::polynomial::roots;
+///
+/// // x (2 x - 1) (x - 1)²
+/// assert_eq!(roots([0.0, -1.0, 4.0, -5.0, 2.0, 0.0], 0.0).as_slice(), [0.0, 0.5, 1.0]);
+/// assert!(roots([0.0; 6], 0.0).is_empty());
+/// ```
+#[inline]
+#[must_use]
+pub fn roots<const N: usize>(coefficients: [f64; N], tolerance: f64) -> RootList {
+    const { assert!(N == 6 || N == 7, "roots are found of degree 5 and 6") };
+    let mut padded = [0.0; 7];
+    padded[..N].copy_from_slice(&coefficients);
+    let sizes = coefficients.iter().map(|coefficient| coefficient.abs());
+    let largest = sizes.fold(0.0, f64::max);
+    if largest == 0.0 {
+        return RootList::new();
+    }
+    // Away from the ends of the range nothing overflows in the derivatives or squares.
+    if !(1e-90..=1e90).contains(&largest) {
+        let factor = normalising_power(largest);
+        padded = padded.map(|coefficient| coefficient * factor);
+    }
+    match N {
+        6 => solve::<5>(&padded, tolerance),
+        _ => solve::<6>(&padded, tolerance),
+    }
+}

@@ -3,15 +3,11 @@
 //! All levels work on seven coefficients, those above the degree `D` unused, since the type cannot
 //! say that a derivative has one coefficient less. Loops over a constant range are unrolled.
 
+use super::RootList;
 use super::isolation::{IsolatingInterval, isolate};
-use super::quadratic::scaled_quadratic;
-use super::roots::RootList;
 
 /// Newton steps before bisection joins in: more than an isolated simple root takes.
 const PATIENCE: u32 = 8;
-
-/// Beyond this, values are formed by Horner's rule, which overflows with the right sign.
-const FAR: f64 = 1e30;
 
 /// A polynomial of degree at most `D` (the rest of the seven coefficients is zero) and its slope.
 struct DerivativeLevel<const D: usize> {
@@ -19,36 +15,28 @@ struct DerivativeLevel<const D: usize> {
     slope: [f64; 7],
 }
 
-/// Returns the roots of a polynomial of degree at most `D` in `low..=high`, touching ones included.
+/// Returns the roots of a polynomial of degree at most `D` in -1..=1, touching ones included.
 ///
 /// The coefficients must be at most 1e90 and not all zero.
-pub(super) fn solve<const D: usize>(
-    coefficients: &[f64; 7],
-    low: f64,
-    high: f64,
-    tolerance: f64,
-) -> RootList {
+pub(super) fn solve<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> RootList {
     let level = DerivativeLevel::<D>::new(coefficients);
-    if D > 2
-        && let Some(isolation) = isolate::<D>(coefficients, low, high)
-    {
-        let mut roots = RootList::default();
-        for interval in isolation.intervals() {
-            push_apart(&mut roots, level.refine(*interval, tolerance));
+    let mut roots = RootList::new();
+    if let Some(intervals) = isolate::<D>(coefficients) {
+        for interval in intervals {
+            push_apart(&mut roots, level.refine(interval, tolerance));
         }
         return roots;
     }
-    let turning = level.turning_points(low, high, tolerance);
-    let near_zero = level.near_zero_test(low, high, tolerance);
+    let turning = level.turning_points(tolerance);
+    let near_zero = level.near_zero_test(tolerance);
 
-    let mut roots = RootList::default();
-    let mut left = low;
-    let mut left_value = level.value(low);
+    let mut left = -1.0;
+    let mut left_value = level.value(left);
     let mut left_near = near_zero(left, left_value);
     // Whether the root that makes `left` nearly zero is in the list already. A piece with both
     // ends nearly zero is nearly zero throughout, so a chain of such ends is one root.
     let mut reported = false;
-    for right in turning.iter().copied().chain([high]) {
+    for right in turning.into_iter().chain([1.0]) {
         let right_value = level.value(right);
         let right_near = near_zero(right, right_value);
         let crossing =
@@ -75,21 +63,15 @@ pub(super) fn solve<const D: usize>(
     roots
 }
 
-/// Returns the sign changes of a polynomial of degree at most `D` in the open interval.
+/// Returns the sign changes of a polynomial of degree at most `D` between -1 and 1.
 ///
 /// For bracketing only: a touching zero may be missed or reported.
-fn crossings<const D: usize>(
-    coefficients: &[f64; 7],
-    low: f64,
-    high: f64,
-    tolerance: f64,
-) -> RootList {
+fn crossings<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> RootList {
     let level = DerivativeLevel::<D>::new(coefficients);
-    let turning = level.turning_points(low, high, tolerance);
-    let mut roots = RootList::default();
-    let mut left = low;
-    let mut left_value = level.value(low);
-    for right in turning.iter().copied().chain([high]) {
+    let mut roots = RootList::new();
+    let mut left = -1.0;
+    let mut left_value = level.value(left);
+    for right in level.turning_points(tolerance).into_iter().chain([1.0]) {
         let right_value = level.value(right);
         if (left_value < 0.0) != (right_value < 0.0) {
             let piece = monotone_piece(left, left_value, right, right_value);
@@ -131,16 +113,32 @@ fn push_apart(roots: &mut RootList, root: f64) {
     }
 }
 
-/// Returns the numbers that lie in the open interval.
+/// Returns the real roots of `c0 + c1 x + c2 x²` between -1 and 1, by the formula without
+/// cancellation; a double root once. The squares of the coefficients must not overflow.
 #[inline]
-fn inside(numbers: &RootList, low: f64, high: f64) -> RootList {
-    let mut kept = RootList::default();
-    for &number in numbers {
-        if number > low && number < high {
-            kept.push(number);
+fn quadratic([c0, c1, c2]: [f64; 3]) -> RootList {
+    let mut roots = RootList::new();
+    let discriminant = c1 * c1 - 4.0 * c2 * c0;
+    if discriminant < 0.0 {
+        return roots;
+    }
+    let root = discriminant.sqrt();
+    // -c1 and the root of the discriminant are added with the same sign.
+    let q = -0.5 * if c1 < 0.0 { c1 - root } else { c1 + root };
+    // q = 0 only if c1 and c0 c2 are 0: then x = 0 is the double root, or there is none.
+    let first = if q == 0.0 { q / c2 } else { c0 / q };
+    let second = q / c2;
+    let sorted = if first < second {
+        [first, second]
+    } else {
+        [second, first]
+    };
+    for x in sorted {
+        if x > -1.0 && x < 1.0 {
+            push_apart(&mut roots, x);
         }
     }
-    kept
+    roots
 }
 
 impl<const D: usize> DerivativeLevel<D> {
@@ -169,23 +167,19 @@ impl<const D: usize> DerivativeLevel<D> {
             6 => evaluate::<5>(&self.slope, x),
             5 => evaluate::<4>(&self.slope, x),
             4 => evaluate::<3>(&self.slope, x),
-            3 => evaluate::<2>(&self.slope, x),
-            2 => evaluate::<1>(&self.slope, x),
-            _ => self.slope[0],
+            _ => evaluate::<2>(&self.slope, x),
         }
     }
 
     /// Returns the sign changes of the slope: between neighbouring ones the polynomial is monotone.
     #[inline]
-    fn turning_points(&self, low: f64, high: f64, tolerance: f64) -> RootList {
+    fn turning_points(&self, tolerance: f64) -> RootList {
         let [c0, c1, c2, ..] = self.slope;
         match D {
-            6 => crossings::<5>(&self.slope, low, high, tolerance),
-            5 => crossings::<4>(&self.slope, low, high, tolerance),
-            4 => crossings::<3>(&self.slope, low, high, tolerance),
-            3 => inside(&scaled_quadratic(c0, c1, c2), low, high),
-            2 => inside(&scaled_quadratic(c0, c1, 0.0), low, high),
-            _ => RootList::default(),
+            6 => crossings::<5>(&self.slope, tolerance),
+            5 => crossings::<4>(&self.slope, tolerance),
+            4 => crossings::<3>(&self.slope, tolerance),
+            _ => quadratic([c0, c1, c2]),
         }
     }
 
@@ -193,23 +187,15 @@ impl<const D: usize> DerivativeLevel<D> {
     /// within the rounding of the coefficients (one unit each) and of `evaluate` (at most 3 D / 2 +
     /// 2 units of each term).
     #[inline]
-    fn near_zero_test(&self, low: f64, high: f64, tolerance: f64) -> impl Fn(f64, f64) -> bool {
-        let units = [4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0][D] * (0.5 * f64::EPSILON);
+    fn near_zero_test(&self, tolerance: f64) -> impl Fn(f64, f64) -> bool {
+        let units = (4 * D + 4) as f64 * (0.5 * f64::EPSILON);
         let noise = self.coefficients.map(|c| c.abs() * units);
         let steepness = self.slope.map(|c| c.abs() * tolerance);
-        let reach = if high.abs() > low.abs() {
-            high.abs()
-        } else {
-            low.abs()
-        };
         // No value above this passes the test anywhere in the interval.
-        let limit = horner::<D>(&noise, reach) + horner::<D>(&steepness, reach);
+        let limit = horner::<D>(&noise, 1.0) + horner::<D>(&steepness, 1.0);
         move |x: f64, value: f64| {
-            if value.abs() > limit || value.is_infinite() {
-                return false;
-            }
-            let allowed = tolerance * self.slope(x).abs() + horner::<D>(&noise, x.abs());
-            value.abs() <= allowed && allowed.is_finite()
+            value.abs() <= limit
+                && value.abs() <= tolerance * self.slope(x).abs() + horner::<D>(&noise, x.abs())
         }
     }
 
@@ -275,17 +261,14 @@ impl<const D: usize> DerivativeLevel<D> {
 /// latency of Horner's rule, with the same order of rounding.
 #[inline(always)]
 fn evaluate<const D: usize>(coefficients: &[f64; 7], x: f64) -> f64 {
-    if x.abs() > FAR {
-        return horner::<D>(coefficients, x);
-    }
     let square = x * x;
     let (even_top, odd_top) = if D.is_multiple_of(2) {
-        (D, D.max(1) - 1)
+        (D, D - 1)
     } else {
         (D - 1, D)
     };
     let mut even = coefficients[even_top];
-    let mut odd = if D == 0 { 0.0 } else { coefficients[odd_top] };
+    let mut odd = coefficients[odd_top];
     for k in 1..=D / 2 {
         if even_top >= 2 * k {
             even = even * square + coefficients[even_top - 2 * k];

@@ -40,7 +40,7 @@ pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
         return None;
     }
     let first = first();
-    Some(if source.knots.are_extended() {
+    Some(if source.knots.need_plan() {
         BodyWalk::<_, _, true>::new(source, slice_intervals, ahead, first).through_extended(put)
     } else {
         BodyWalk::<_, _, false>::new(source, slice_intervals, ahead, first).through(put)
@@ -73,7 +73,7 @@ pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Linear steps before the search halves the rest.
     const STEPS: usize = 8;
     let guess = guess as usize;
-    if knots.are_extended() {
+    if knots.need_plan() {
         return knots.count(|knot| knot < time).max(1) - 1;
     }
     let knots = knots.own();

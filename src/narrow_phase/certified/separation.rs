@@ -4,7 +4,7 @@ use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
 use super::super::{BodyView, widened};
 use crate::accuracy::TimeEnclosure;
-use crate::enclosure::{Side, Threshold};
+use crate::enclosure::{Threshold, Verdict};
 use crate::rounding::two_sum;
 use crate::spans::Span;
 
@@ -92,7 +92,7 @@ fn times_within(
         high: distance,
     });
     let stretches = stretches.as_slice().iter();
-    let possible = stretches.filter(|stretch| stretch.side != Side::Outside);
+    let possible = stretches.filter(|stretch| stretch.side != Verdict::Outside);
     let times = possible.map(|stretch| TimeEnclosure {
         earliest: cubic.earliest(stretch.first),
         latest: cubic.latest(stretch.last),

@@ -4,6 +4,7 @@ use super::super::certified::{MarginBand, Workspace, certified_approach, certifi
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::stretches::{DistanceProfile, NEVER};
 use super::{ClusterPair, SpherePairBound};
+use crate::count::short;
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
@@ -180,11 +181,10 @@ impl Case {
             let clusters = ClusterPair::of(a, b, span);
             for number_a in 0..a.spheres.len() {
                 for number_b in 0..b.spheres.len() {
-                    let number = |number| u32::try_from(number).unwrap_or(u32::MAX);
                     visit(
                         &clusters.pair(&SpherePairBound {
-                            a: number(number_a),
-                            b: number(number_b),
+                            a: short(number_a),
+                            b: short(number_b),
                             low: 0.0,
                         }),
                         span,

@@ -1,6 +1,7 @@
 //! Underflow against exact arithmetic.
 
-use super::screen::{Verdict, screen_eighths, screen_halves};
+use super::Verdict;
+use super::screen::{screen_eighths, screen_halves};
 use crate::real::Real;
 use crate::rounding::exact::number;
 use dashu::rational::RBig;

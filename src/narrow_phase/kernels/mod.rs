@@ -97,12 +97,12 @@ mod screen;
 mod spans;
 mod within;
 
+pub use crate::enclosure::Verdict;
 pub use crate::guess::ControlPoints;
 pub use crate::real::Real;
 pub use crate::simd::InstructionSet;
 pub use batch::{CubicBatch, Lanes};
 pub use enclosures::Enclosure;
-pub use screen::Verdict;
 pub use spans::SpanBatch;
 
 /// Computes the closest approach of each pair: local times in 0..=1, distances in metres.

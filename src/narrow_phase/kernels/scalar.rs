@@ -5,7 +5,7 @@ use super::enclosures;
 use super::within::within_of;
 use super::{Enclosure, Real, Verdict};
 use crate::guess::{CentredCubic, ControlPoints, distance, local_time, normalised};
-use crate::polynomial::{Polynomial, Roots};
+use crate::polynomial::roots;
 
 /// Returns the closest approach of a pair: local time in 0..=1, distance in metres. The bits are
 /// those of the [batch](super::closest_approach).
@@ -25,7 +25,7 @@ pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) ->
     let (points, unit) = normalised(points);
     let cubic = CentredCubic::new(points);
     let [_, a1, a2, a3, a4, a5, a6] = cubic.squared_distance();
-    let slope = Polynomial::new([a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6]);
+    let slope = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5, 6.0 * a6];
 
     let mut best = (-1.0, cubic.square(-1.0));
     let mut consider = |u: f64| {
@@ -35,11 +35,9 @@ pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) ->
         }
     };
     // A slope that is zero everywhere leaves the first instant.
-    if let Roots::At(roots) = slope.roots_in(-1.0, 1.0, 2.0 * tolerance) {
-        for &u in &roots {
-            consider(u);
-        }
-    }
+    roots(slope, 2.0 * tolerance)
+        .into_iter()
+        .for_each(&mut consider);
     consider(1.0);
     let (u, square) = best;
     (local_time(u), distance(square) * unit)

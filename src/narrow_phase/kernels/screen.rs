@@ -10,22 +10,11 @@
     reason = "many slices with one index is what is vectorised, and what is easiest to read"
 )]
 
+use super::Verdict;
 use super::batch::Lanes;
 use crate::guess::{ControlPoints, dot, largest_of};
 use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};
-
-/// The relation of a pair of bodies to a threshold during a span.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// At every instant certainly farther apart than the outer threshold.
-    Outside,
-    /// At some instant certainly nearer than the inner threshold.
-    Inside,
-    /// Hidden by rounding, or between the thresholds: ask the exact solver.
-    #[default]
-    Undecided,
-}
 
 /// First screen: decides on the two halves of the span.
 #[inline(always)]

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::Verdict;
 use super::batch::{CubicBatch, Lanes};
-use super::screen::Verdict;
 use super::within::within;
 use crate::narrow_phase::relative::RelativeCubic;
 use crate::real::Real;

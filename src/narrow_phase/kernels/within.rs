@@ -1,10 +1,11 @@
 //! Verdicts for many pairs: two Bernstein screens, then an enclosure for the few undecided ones.
 
+use super::Verdict;
 use super::batch::Lanes;
 use super::enclosures::enclose;
 use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block};
 use super::pending::{Places, RetryQueue};
-use super::screen::{Verdict, screen_block, screen_block_finely, screen_eighths, screen_halves};
+use super::screen::{screen_block, screen_block_finely, screen_eighths, screen_halves};
 use crate::guess::{ControlPoints, largest_coordinate, widened};
 use crate::real::Real;
 use crate::simd::InstructionSet;

@@ -1,7 +1,7 @@
 //! The parts of a span in which both rotations are cubics.
 
 use crate::accuracy::Accuracy;
-use crate::enclosure::{Side, Stretch, Threshold, UncertainCubic};
+use crate::enclosure::{Stretch, Threshold, UncertainCubic, Verdict};
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::relative::RelativeCubic;
 use crate::orientation::{BakedRotation, Turning, TurningCell};
@@ -29,7 +29,7 @@ fn each_time_within(
     });
     for &Stretch { first, last, side } in stretches.as_slice() {
         let times = (cubic.earliest(first).max(from), cubic.latest(last).min(to));
-        if side != Side::Outside && times.0 <= times.1 {
+        if side != Verdict::Outside && times.0 <= times.1 {
             visit(times);
         }
     }

@@ -8,7 +8,8 @@ use crate::oracle_support::{
 use dashu::rational::RBig;
 use nearmiss::glam::DVec3;
 use nearmiss::internals::enclosure::{
-    DistanceEnclosure, LeastDistance, ParameterEnclosure, Side, Stretch, Threshold, UncertainCubic,
+    DistanceEnclosure, LeastDistance, ParameterEnclosure, Stretch, Threshold, UncertainCubic,
+    Verdict,
 };
 use rand::{Rng, RngExt};
 
@@ -155,9 +156,11 @@ pub(crate) fn partition_violation(
         }
         let excess = |level: f64| case.truth.minus(&square(level)).over(&start, &width);
         let holds = match stretch.side {
-            Side::Inside => threshold.low > 0.0 && least_sign(&excess(threshold.low).negated()) > 0,
-            Side::Outside => threshold.high < 0.0 || least_sign(&excess(threshold.high)) > 0,
-            Side::Undecided => true,
+            Verdict::Inside => {
+                threshold.low > 0.0 && least_sign(&excess(threshold.low).negated()) > 0
+            }
+            Verdict::Outside => threshold.high < 0.0 || least_sign(&excess(threshold.high)) > 0,
+            Verdict::Undecided => true,
         };
         if !holds {
             return Some(format!("{stretch:?} is wrong"));
@@ -171,7 +174,7 @@ pub(crate) fn partition_violation(
 pub(crate) fn looseness(case: &Case, threshold: Threshold, found: &[Stretch]) -> f64 {
     let unit = case.inherent_error() + 16.0 * f64::EPSILON * threshold.high.abs();
     let mut worst = 0.0_f64;
-    for stretch in found.iter().filter(|s| s.side == Side::Undecided) {
+    for stretch in found.iter().filter(|s| s.side == Verdict::Undecided) {
         for s in [stretch.first, stretch.last] {
             let distance = case.truth.at(&s.into()).to_f64_fast().sqrt();
             let gap = (threshold.low - distance).max(distance - threshold.high);

@@ -17,7 +17,7 @@ use campaign::{Table, run};
 use case::{Case, largest_norm};
 use nearmiss::glam::DVec3;
 use nearmiss::internals::enclosure::{
-    Effort, OutOfRange, Side, Stretch, Threshold, UncertainCubic,
+    Effort, OutOfRange, Stretch, Threshold, UncertainCubic, Verdict,
 };
 use oracle_support::{FAMILIES, Polygon};
 use rand::SeedableRng;
@@ -45,7 +45,7 @@ fn exactly(threshold: f64) -> Threshold {
     }
 }
 
-fn sides(stretches: &[Stretch]) -> Vec<Side> {
+fn sides(stretches: &[Stretch]) -> Vec<Verdict> {
     stretches.iter().map(|stretch| stretch.side).collect()
 }
 
@@ -66,8 +66,8 @@ fn a_straight_line_enters_and_leaves() {
     // distance² = 1 + (2s - 1)², 1.25² is met at 2s - 1 = ±3/4.
     let found = cubic(fly_by(), 0.0).stretches(exactly(1.25));
     let found = found.as_slice();
-    let [out, into] = [Side::Outside, Side::Undecided];
-    assert_eq!(sides(found), [out, into, Side::Inside, into, out]);
+    let [out, into] = [Verdict::Outside, Verdict::Undecided];
+    assert_eq!(sides(found), [out, into, Verdict::Inside, into, out]);
     for (stretch, exact) in [(found[1], 0.125), (found[3], 0.875)] {
         assert!(stretch.first < exact && exact < stretch.last);
         // 20 roundings of 1.4 m, at a closing speed of 1.2 m per unit, on both sides.
@@ -84,13 +84,13 @@ fn thresholds_of_all_signs() {
         assert_eq!(found.effort(), Effort::Tight);
         found.as_slice()[0].side
     };
-    assert_eq!(whole(exactly(-1.0)), Side::Outside);
-    assert_eq!(whole(exactly(0.0)), Side::Outside);
-    assert_eq!(whole(exactly(0.999)), Side::Outside);
-    assert_eq!(whole(exactly(1.5)), Side::Inside);
-    assert_eq!(whole(exactly(1e200)), Side::Inside);
+    assert_eq!(whole(exactly(-1.0)), Verdict::Outside);
+    assert_eq!(whole(exactly(0.0)), Verdict::Outside);
+    assert_eq!(whole(exactly(0.999)), Verdict::Outside);
+    assert_eq!(whole(exactly(1.5)), Verdict::Inside);
+    assert_eq!(whole(exactly(1e200)), Verdict::Inside);
     let (low, high) = (-1.0, 2.0);
-    assert_eq!(whole(Threshold { low, high }), Side::Undecided);
+    assert_eq!(whole(Threshold { low, high }), Verdict::Undecided);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn nothing_is_inside_a_negative_threshold() {
     points[3] = [0.936_899, 0.294_404, -0.853_524];
     for threshold in [-1e-300, -0.009_318, -0.1] {
         let found = cubic(points, 0.009_368_9).stretches(exactly(threshold));
-        assert_eq!(sides(found.as_slice()), [Side::Outside], "{threshold}");
+        assert_eq!(sides(found.as_slice()), [Verdict::Outside], "{threshold}");
     }
 }
 
@@ -111,7 +111,7 @@ fn a_touch_is_undecided_and_nothing_else() {
     let found = found.as_slice();
     assert_eq!(
         sides(found),
-        [Side::Outside, Side::Undecided, Side::Outside]
+        [Verdict::Outside, Verdict::Undecided, Verdict::Outside]
     );
     assert!(found[1].first <= 0.5 && 0.5 <= found[1].last);
     // distance - 1 = 2 (s - 1/2)² there: within 10 times 12 roundings for |s - 1/2| < 1e-7.
@@ -125,9 +125,9 @@ fn constant_distance() {
     assert!(least.distance.low <= 5.0 && 5.0 <= least.distance.high);
     assert!(least.parameter.first <= 0.0 && 1.0 <= least.parameter.last);
     let side = |threshold: f64| beside.stretches(exactly(threshold)).as_slice()[0].side;
-    assert_eq!(side(5.0), Side::Undecided);
-    assert_eq!(side(5.0 - 1e-13), Side::Outside);
-    assert_eq!(side(5.0 + 1e-13), Side::Inside);
+    assert_eq!(side(5.0), Verdict::Undecided);
+    assert_eq!(side(5.0 - 1e-13), Verdict::Outside);
+    assert_eq!(side(5.0 + 1e-13), Verdict::Inside);
     // Coincident and exactly known: at most the smallest number.
     let together = cubic([[0.0; 3]; 4], 0.0).least_distance();
     assert!(together.distance.low <= 0.0 && together.distance.high <= f64::from_bits(1));
@@ -219,7 +219,7 @@ fn nothing_is_certain_about_a_threshold_that_is_none() {
         (2.0, 0.5),
     ] {
         let stretches = cubic.stretches(Threshold { low, high });
-        let sides: Vec<Side> = stretches.as_slice().iter().map(|one| one.side).collect();
-        assert_eq!(sides, [Side::Undecided], "{low} {high}");
+        let sides: Vec<Verdict> = stretches.as_slice().iter().map(|one| one.side).collect();
+        assert_eq!(sides, [Verdict::Undecided], "{low} {high}");
     }
 }
