@@ -1,6 +1,9 @@
 //! Work on all threads of the current rayon pool, or on the caller's without the feature
 //! `parallel`.
 //!
+//! A pool of one thread is not asked: that thread may be busy elsewhere, as a main thread that is the pool's own is while
+//! it waits for a live monitor.
+//!
 //! Divided work meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
 //! each closure: with them the crate had a fifth more code to compile.
 
@@ -147,7 +150,7 @@ fn run<W: Divide, T: Send>(
     task: impl Fn(usize, W) -> T + Sync,
 ) -> Vec<T> {
     #[cfg(feature = "parallel")]
-    if is_shared {
+    if is_shared && threads() > 1 {
         return share_out(work, 0, (threads(), false), &task);
     }
     #[cfg(not(feature = "parallel"))]
@@ -179,7 +182,7 @@ pub(crate) fn fold<T: Send>(
     new: impl Fn() -> T + Sync,
     work: impl Fn(&mut T, usize) + Sync,
 ) -> Vec<T> {
-    run(0..count, count > few && threads() > 1, |_, indices| {
+    run(0..count, count > few, |_, indices| {
         let mut value = new();
         indices.for_each(|index| work(&mut value, index));
         value
@@ -195,7 +198,7 @@ pub(crate) fn map_into<T: Send>(
     work: impl Fn(usize) -> T + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if count > few {
+    if count > few && threads() > 1 {
         use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
         (0..count).into_par_iter().map(work).collect_into_vec(list);
         return;
@@ -260,7 +263,7 @@ pub(crate) fn join<T: Send, U: Send>(
     other: impl FnOnce() -> U + Send,
 ) -> (T, U) {
     #[cfg(feature = "parallel")]
-    if count > few {
+    if count > few && threads() > 1 {
         return rayon::join(one, other);
     }
     #[cfg(not(feature = "parallel"))]
@@ -272,10 +275,10 @@ pub(crate) fn join<T: Send, U: Send>(
 /// Sorts by a total order without ties that matter: the same on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]
-    {
+    if threads() > 1 {
         use rayon::slice::ParallelSliceMut;
         values.par_sort_by(order);
+        return;
     }
-    #[cfg(not(feature = "parallel"))]
     values.sort_by(order);
 }

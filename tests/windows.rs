@@ -272,3 +272,43 @@ fn a_velocity_at_the_last_knot_is_the_same_in_all_windows() {
         assert_eq!(monitor.conflicts(0).unwrap()[0].closest, at(8.1));
     }
 }
+
+/// A body follows another plan from the instant of the closest approach on, whose knots are over by then. The velocity is
+/// that of the new plan, whatever a monitor knew of it when it first saw the pair.
+#[test]
+fn a_velocity_at_a_jump_beyond_all_knots_is_the_new_one() {
+    let jump = 50.0;
+    let along = |start: f64, end: f64, at_jump: f64, speed: f64| {
+        line(
+            start,
+            end,
+            DVec3::X * (at_jump + (start - jump) * speed),
+            DVec3::X * speed,
+        )
+    };
+    let flown = along(-1.0, 60.0, -1.0, 0.1);
+    for outside in [Outside::Coast, Outside::Extrapolate] {
+        let next = along(20.0, 30.0, -100.0, -7.0).with_outside(outside);
+        let mut scene = Scene::new();
+        let plan = flown.spliced(jump, &next).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+        let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+        scene.insert(Body::new(rest)).unwrap();
+        let level = AlertLevel::at(3.0);
+        let mut monitor = Monitor::new(scene.clone(), 45.0, 2.0, &[level]).unwrap();
+        for tick in 0..100 {
+            let now = 45.0 + 0.05 * f64::from(tick);
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            let window = Window::new(now, now + 2.0).unwrap();
+            let screened = screen(&scene, window, 3.0);
+            assert_eq!(monitor.conflicts(0).unwrap(), screened, "{now}");
+            let closest = screened[0].closest;
+            let expected = if closest.time == jump { -7.0 } else { 0.1 };
+            assert!(
+                (closest.relative_velocity.x - expected).abs() < 1e-12,
+                "{closest:?}"
+            );
+        }
+        assert_eq!(monitor.conflicts(0).unwrap()[0].closest.time, jump);
+    }
+}

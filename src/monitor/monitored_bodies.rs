@@ -171,7 +171,7 @@ impl MonitoredBody {
         trajectory: &'s Trajectory,
         shape: BodyShape<'s>,
     ) -> BodyView<'s> {
-        BodyView::of((self.knots(trajectory), trajectory.cubics()), shape)
+        BodyView::of_plan(self.knots(trajectory), trajectory, shape)
     }
 
     /// Returns the knots of the plan.

@@ -36,7 +36,7 @@ use crate::orientation::Turning;
 use crate::rounding::{sum_above, two_sum};
 use crate::shape::BodyShape;
 use crate::spans::Span;
-use crate::trajectory::Segment;
+use crate::trajectory::{Outside, Segment, Trajectory};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -47,6 +47,9 @@ pub(crate) struct BodyView<'a> {
     pub(crate) knots: Knots<'a>,
     /// Cubics of the plan.
     pub(crate) segments: &'a [Segment],
+    /// The plan, which says how the body goes on, whether or not the knots include its extension; `None` of a body that
+    /// has no more than these cubics.
+    pub(crate) plan: Option<&'a Trajectory>,
     /// Spheres of the hitbox; a half-space has none.
     pub(crate) spheres: &'a [Sphere],
     /// Sphere that contains all spheres, enlarged by the model error; for a half-space its normal, and an
@@ -59,12 +62,22 @@ pub(crate) struct BodyView<'a> {
 }
 
 impl<'a> BodyView<'a> {
-    /// Returns the view of a body with these knots and cubics of its plan.
+    /// Returns the view of a body that follows a plan, with these knots.
+    #[inline(always)]
+    pub(crate) fn of_plan(knots: Knots<'a>, plan: &'a Trajectory, shape: BodyShape<'a>) -> Self {
+        Self {
+            plan: Some(plan),
+            ..Self::of((knots, plan.cubics()), shape)
+        }
+    }
+
+    /// Returns the view of a body that has no more than the cubics between these knots.
     #[inline(always)]
     pub(crate) fn of((knots, segments): (Knots<'a>, &'a [Segment]), shape: BodyShape<'a>) -> Self {
         Self {
             knots,
             segments,
+            plan: None,
             spheres: shape.spheres(),
             bounding: shape.bounding(),
             turning: shape.turning(),
@@ -88,6 +101,18 @@ impl<'a> BodyView<'a> {
             Some(segment) => Cow::Owned(segment),
             None => Cow::Borrowed(&self.segments[number - self.knots.before()]),
         }
+    }
+
+    /// Returns the cubic that the body follows after a cubic of these knots, whether or not the knots include the plan's
+    /// extension; `None` if it ends there, or goes on as before.
+    pub(crate) fn segment_after(&self, number: usize) -> Option<Cow<'a, Segment>> {
+        if self.knots.is_own(number + 1) {
+            return Some(self.segment(number + 1));
+        }
+        let is_after = number + 1 >= self.knots.before();
+        let goes_on = |plan: &&Trajectory| plan.outside_after() != Outside::Absent;
+        let plan = self.plan.filter(goes_on).filter(|_| is_after)?;
+        Some(Cow::Owned(plan.segment_after()))
     }
 
     /// Returns the cubics that two bodies follow in a span.
@@ -122,6 +147,7 @@ impl BodyView<'_> {
     pub(crate) const NONE: Self = Self {
         knots: Knots::NONE,
         segments: &[],
+        plan: None,
         spheres: &[],
         bounding: Sphere {
             offset: DVec3::ZERO,

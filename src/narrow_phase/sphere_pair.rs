@@ -75,13 +75,9 @@ impl Approach {
             let cubic = cubic as usize;
             let (position, velocity, _) = view.segment(cubic).motion_at(self.time);
             let has_ended = view.knots.at(cubic + 1) <= self.time;
-            if has_ended && view.knots.is_own(cubic + 1) {
-                (position, view.segment(cubic + 1).motion_at(self.time).1)
-            } else {
-                // Beyond its knots a body keeps the velocity of its last cubic, to rounding: that one is taken, whether
-                // the extension is there or not.
-                (position, velocity)
-            }
+            let next = has_ended.then(|| view.segment_after(cubic)).flatten();
+            let from_then_on = next.map(|next| next.motion_at(self.time).1);
+            (position, from_then_on.unwrap_or(velocity))
         };
         let (position_a, velocity_a) = motion(a, self.span.a);
         let (position_b, velocity_b) = motion(b, self.span.b);

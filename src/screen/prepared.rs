@@ -363,5 +363,5 @@ pub(super) fn lone_view(body: &Body, window: Window) -> Result<BodyView<'_>, Err
 
 #[inline(always)]
 fn view_of<'a>(body: &'a Body, knots: Knots<'a>) -> BodyView<'a> {
-    BodyView::of((knots, body.trajectory.cubics()), body.shape())
+    BodyView::of_plan(knots, &body.trajectory, body.shape())
 }
