@@ -38,22 +38,21 @@ mod isolation;
 mod recursion;
 
 use crate::rounding::normalising_power;
-use arrayvec::ArrayVec;
 use recursion::solve;
 
-/// Up to six numbers in increasing order.
-pub type RootList = ArrayVec<f64, 6>;
+pub use recursion::RootList;
 
 /// Returns the real roots from -1 to 1 of the sum of `coefficients[i]` times x to the i.
 ///
 /// `tolerance` is the largest error of a well-conditioned root; 0 means full precision. The
-/// [module](self) lists the guarantees. The degree is 5 or 6: other lengths do not compile.
+/// guarantees are listed in `src/polynomial/mod.rs`. The degree is 5 or 6: other lengths do not
+/// compile.
 ///
 /// ```
 /// use nearmiss::internals::polynomial::roots;
 ///
-/// // x (2 x - 1) (x - 1)²
-/// assert_eq!(roots([0.0, -1.0, 4.0, -5.0, 2.0, 0.0], 0.0).as_slice(), [0.0, 0.5, 1.0]);
+/// // (x + 1) (2 x - 1) (x - 1)
+/// assert_eq!(roots([1.0, -2.0, -1.0, 2.0, 0.0, 0.0], 0.0).as_slice(), [-1.0, 0.5, 1.0]);
 /// assert!(roots([0.0; 6], 0.0).is_empty());
 /// ```
 #[inline]

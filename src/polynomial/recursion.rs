@@ -3,8 +3,11 @@
 //! All levels work on seven coefficients, those above the degree `D` unused, since the type cannot
 //! say that a derivative has one coefficient less. Loops over a constant range are unrolled.
 
-use super::RootList;
 use super::isolation::{IsolatingInterval, isolate};
+use arrayvec::ArrayVec;
+
+/// Up to six numbers in increasing order.
+pub type RootList = ArrayVec<f64, 6>;
 
 /// Newton steps before bisection joins in: more than an isolated simple root takes.
 const PATIENCE: u32 = 8;
