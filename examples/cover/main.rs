@@ -168,7 +168,7 @@ fn run(kind: &Kind) -> Result<(), Failure> {
          {:>7}   {:>9.4} % {:>12} m   {:>12}   {:.2} s",
         cover.spheres().len(),
         cover.overshoot_percent(),
-        length(cover.overshoot()),
+        shown(cover.overshoot()),
         ratio.map_or("none".to_owned(), |ratio| format!("{ratio:.3}")),
         seconds,
     )?;
@@ -197,7 +197,7 @@ fn run(kind: &Kind) -> Result<(), Failure> {
 }
 
 /// A length (m) with six decimals; as a power of ten where these would say nothing, or too much.
-fn length(metres: f64) -> String {
+fn shown(metres: f64) -> String {
     if metres == 0.0 || (1e-3..1e6).contains(&metres) {
         format!("{metres:.6}")
     } else {

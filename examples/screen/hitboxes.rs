@@ -236,7 +236,7 @@ fn orientation_of(value: &Value) -> Result<Orientation, String> {
     turn.map_err(|error| problem(error.to_string()))
 }
 
-/// JSON in which no object has two members of one name: of these serde_json keeps the last one.
+/// JSON in which no object has two members of one name: of these `serde_json` keeps the last one.
 struct UniqueNames;
 
 impl<'de> Deserialize<'de> for UniqueNames {

@@ -7,8 +7,10 @@
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::revision_threshold::RevisionThreshold;
 use super::solved_conflict::{SolvedApproach, SolvedConflict};
-use super::solved_spans::SlotPair;
+use super::solved_spans::{SlotPair, SolvedSpans};
 use super::sorted_slab::SortedSlab;
+use crate::conflict::Clip;
+use crate::narrow_phase::Approach;
 use crate::scene::Scene;
 use std::cmp::Ordering;
 
@@ -135,9 +137,9 @@ pub(super) struct EncounterTracker {
     updated: Vec<SlotPair>,
 }
 
-/// The instants that a tick works with.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TickContext {
+/// The instants that a tick works with, and what is known then.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TickContext<'s> {
     /// The clock, s.
     pub(super) now: f64,
     /// Instant up to which clock events may be reported, s: the clock, or the end of the known time if sooner.
@@ -148,6 +150,7 @@ pub(super) struct TickContext {
     pub(super) known: f64,
     pub(super) lookahead: f64,
     pub(super) revision_threshold: RevisionThreshold,
+    pub(super) solved: &'s SolvedSpans,
 }
 
 impl EncounterTracker {
@@ -182,7 +185,7 @@ impl EncounterTracker {
     pub(super) fn update<'p, P: Iterator<Item = &'p PlannedEncounter>>(
         &mut self,
         listed: impl Iterator<Item = (SlotPair, P)>,
-        tick: &TickContext,
+        tick: &TickContext<'_>,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
@@ -205,7 +208,7 @@ impl EncounterTracker {
         &mut self,
         slots: SlotPair,
         planned: impl Iterator<Item = &'p PlannedEncounter>,
-        tick: &TickContext,
+        tick: &TickContext<'_>,
         next_id: &mut u64,
         events: &mut Vec<Event>,
     ) {
@@ -282,7 +285,7 @@ impl EncounterTracker {
 }
 
 /// Returns which comes first: an old encounter, or a new one; equal if the new one is the old one as it is now.
-fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext) -> Ordering {
+fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext<'_>) -> Ordering {
     let order =
         (old.encounter.a, old.encounter.b).cmp(&(new.solved.conflict.a, new.solved.conflict.b));
     if order.is_ne() {
@@ -329,7 +332,7 @@ fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
 /// Ends or withdraws an encounter that the plans no longer have.
 fn unmatched(
     old: &TrackedEncounter,
-    tick: &TickContext,
+    tick: &TickContext<'_>,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
     if !old.begun && old.encounter.enter > tick.known {
@@ -346,7 +349,7 @@ fn unmatched(
 fn appear(
     new: &PlannedEncounter,
     level: usize,
-    tick: &TickContext,
+    tick: &TickContext<'_>,
     next_id: &mut u64,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
@@ -385,7 +388,7 @@ fn appear(
 fn go_on(
     old: &TrackedEncounter,
     new: &PlannedEncounter,
-    tick: &TickContext,
+    tick: &TickContext<'_>,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
     let Some(enter) = new.enter.or(old.begun.then_some(old.encounter.enter)) else {
@@ -419,7 +422,7 @@ fn go_on(
 fn clock(
     mut tracked: TrackedEncounter,
     new: &PlannedEncounter,
-    tick: &TickContext,
+    tick: &TickContext<'_>,
     events: &mut Vec<Event>,
 ) -> Option<TrackedEncounter> {
     if !tracked.begun && tracked.encounter.enter <= tick.reported {
@@ -451,7 +454,7 @@ fn clock(
 
 /// Returns true if the numbers differ by more than the revision threshold, as far as both are known. A change
 /// beyond the end of the examined time, which moves, is no revision.
-fn differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext) -> bool {
+fn differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext<'_>) -> bool {
     let new = &SentNumbers::of(encounter);
     let threshold = &tick.revision_threshold;
     let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
@@ -463,10 +466,11 @@ fn differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext) -> boo
         (false, true) => true,
     };
     let model_error = (new.model_error - sent.model_error).abs() > threshold.separation;
-    moved(new.enter, sent.enter) || exit || model_error || closest_differs(new, sent, tick)
+    moved(new.enter, sent.enter) || exit || model_error || closest_differs(encounter, sent, tick)
 }
 
-fn closest_differs(new: &SentNumbers, sent: &SentNumbers, tick: &TickContext) -> bool {
+fn closest_differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext<'_>) -> bool {
+    let new = &SentNumbers::of(encounter);
     let threshold = &tick.revision_threshold;
     let is_lower = new.separation < sent.separation - threshold.separation;
     if !sent.knows_closest() {
@@ -479,7 +483,17 @@ fn closest_differs(new: &SentNumbers, sent: &SentNumbers, tick: &TickContext) ->
     if hidden {
         return new.knows_closest() && is_lower;
     }
-    !new.knows_closest()
-        || (new.closest_time - sent.closest_time).abs() > threshold.time
-        || (new.separation - sent.separation).abs() > threshold.separation
+    // Where a distance stays the same, or is as small again, the instant of the least one is a matter of rounding.
+    let is_still_closest = || {
+        let slots = (encounter.a.slot, encounter.b.slot);
+        let at = (sent.closest_time, sent.closest_time);
+        let there = tick.solved.closest(slots, at, Clip::default());
+        let nearest = new.separation + threshold.separation;
+        // A constant distance is reported at its first instant, whatever the rounding.
+        let is_near = |there: Approach| there.plateau == 0.0 && there.separation <= nearest;
+        threshold.separation > 0.0 && (at.0 <= tick.before || there.is_some_and(is_near))
+    };
+    let is_moved = (new.closest_time - sent.closest_time).abs() > threshold.time;
+    (new.separation - sent.separation).abs() > threshold.separation
+        || (is_moved || !new.knows_closest()) && !is_still_closest()
 }

@@ -188,7 +188,7 @@ impl ReadContext<'_> {
         slots: SlotPair,
         whole: &PlannedEncounter,
         alert: &AlertLevel,
-        tick: &TickContext,
+        tick: &TickContext<'_>,
         contacts: &mut Vec<Contact>,
     ) -> Option<PlannedEncounter> {
         let mut clipped = |to| {

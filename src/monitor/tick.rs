@@ -141,21 +141,13 @@ impl Monitor {
             self.look_anew()?;
             return Err(Error::TooCrowded { limit });
         };
-        let tick = TickContext {
-            now,
-            reported: now.min(known),
-            before: self.reported,
-            known,
-            lookahead: self.lookahead,
-            revision_threshold: self.revision_threshold,
-        };
         // Nothing below can fail.
         self.end_of_removed();
         self.read_changed_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
-        self.read(&tick, &mut next_id, events);
-        (self.now, self.reported, self.known) = (now, tick.reported, known);
+        self.read((now, known), &mut next_id, events);
+        (self.now, self.reported, self.known) = (now, now.min(known), known);
         self.next_id = next_id;
         events.append(&mut self.pending_events);
         self.report_plan_ends(end, events);
@@ -271,14 +263,28 @@ impl Monitor {
         self.readings.update(context, &self.levels, self.reported);
     }
 
-    /// Reads the conflicts from now to the end of the known time, and the planned encounters from the last
+    /// Reads the conflicts from now to the end of the known time (s), and the planned encounters from the last
     /// tick's clock on, and updates the tracked encounters.
-    pub(super) fn read(&mut self, tick: &TickContext, next_id: &mut u64, events: &mut Vec<Event>) {
+    pub(super) fn read(
+        &mut self,
+        (now, known): (f64, f64),
+        next_id: &mut u64,
+        events: &mut Vec<Event>,
+    ) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
         let context = ReadContext {
             search: &self.search,
             scene: &self.scene,
+        };
+        let tick = &TickContext {
+            now,
+            reported: now.min(known),
+            before: self.reported,
+            known,
+            lookahead: self.lookahead,
+            revision_threshold: self.revision_threshold,
+            solved: &self.search.solved,
         };
         let LevelCaches {
             conflicts,

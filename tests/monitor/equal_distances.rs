@@ -3,8 +3,11 @@
 use super::is_as_screened;
 use super::scenarios::tick;
 use super::support::{rng, vector};
-use glam::DVec3;
-use nearmiss::{AlertLevel, Body, EventKind, Hitbox, Monitor, Scene, Sphere, State, Trajectory};
+use glam::{DQuat, DVec3};
+use nearmiss::{
+    AlertLevel, Body, BodyState, EventKind, Hitbox, Monitor, Orientation, RevisionThreshold, Scene,
+    Sphere, State, Trajectory,
+};
 use rand::rngs::ChaCha8Rng;
 
 /// Moves the clock of a monitor of two bodies; its conflicts are those of a screening, bit for bit, after each tick.
@@ -97,5 +100,76 @@ fn of_equally_near_spheres_the_one_that_is_screened_is_reported() {
     ] {
         let cluster = Body::new(rising.clone()).with_hitbox(Hitbox::cluster(spheres).unwrap());
         stays_as_screened([point.clone(), cluster], AlertLevel::at(6.0), &[0.0, 1.0]);
+    }
+}
+
+/// A cluster turns beside a ball on its axis, told each frame or left alone. Of the distance, the same but for
+/// rounding, any instant may be the least: none is news. Told, its way and its radius are approximated anew each frame:
+/// the threshold is twice the tolerance then.
+#[test]
+fn a_distance_that_stays_the_same_as_a_body_turns_is_no_event() {
+    let turning = |time: f64| DQuat::from_rotation_z(2.0 * time);
+    for is_told in [false, true] {
+        let off_axis = Sphere {
+            offset: DVec3::new(1.0, 0.3, 0.2),
+            radius: 0.3,
+        };
+        let ball = Hitbox::sphere(0.5).unwrap();
+        let spin = Orientation::spin(0.0, turning(0.0), 2.0 * DVec3::Z).unwrap();
+        let [low, high] = [1.7, 4.0].map(|height| Trajectory::at_rest(DVec3::Z * height).unwrap());
+        let mut scene = Scene::new();
+        scene.insert(Body::new(high).with_hitbox(ball)).unwrap();
+        let cluster = Hitbox::cluster(vec![off_axis]).unwrap();
+        let turns = Body::new(low).with_hitbox(cluster);
+        let id = scene.insert(turns.with_orientation(spin)).unwrap();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(3.0)]).unwrap();
+        if is_told {
+            let threshold = RevisionThreshold {
+                separation: 2e-3 * off_axis.offset.length(),
+                ..RevisionThreshold::default()
+            };
+            monitor.set_revision_threshold(threshold).unwrap();
+        }
+        let mut count = 0;
+        for frame in 0..600 {
+            let now = f64::from(frame) / 60.0;
+            if is_told {
+                let state = State::new(now, DVec3::Z * 1.7, DVec3::ZERO);
+                let state = BodyState::from(state).with_spin(turning(now), 2.0 * DVec3::Z);
+                monitor.track(now, [(id, state)]).unwrap();
+            }
+            count += tick(&mut monitor, now).len();
+        }
+        assert_eq!(count, 1, "{is_told}");
+    }
+}
+
+/// A ship comes to rest at a dock. Another plan brings it there later: the least distance is the same, its instant is
+/// not, and the reported one is no longer as near.
+#[test]
+fn another_instant_of_the_same_distance_is_an_event() {
+    let coming = |arrival: f64| {
+        let far = State::new(0.0, DVec3::X * 2.0, -0.1 * DVec3::X);
+        let docked = |time: f64| State::new(time, DVec3::ZERO, DVec3::ZERO);
+        Trajectory::from_states(&[far, docked(arrival), docked(100.0)]).unwrap()
+    };
+    let mut scene = Scene::new();
+    let dock = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    scene.insert(Body::new(dock)).unwrap();
+    let ship = scene.insert(Body::new(coming(20.0))).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, 60.0, &[AlertLevel::at(3.0)]).unwrap();
+    tick(&mut monitor, 1.0);
+    // It begins inside, and lasts beyond the lookahead: only the closest approach can change.
+    for arrival in [30.0, 25.0, 26.0] {
+        monitor.set_trajectory(ship, coming(arrival)).unwrap();
+        let now = monitor.now() + 0.5;
+        let events = tick(&mut monitor, now);
+        let [event] = &events[..] else {
+            panic!("{events:?}")
+        };
+        let EventKind::Revised(encounter) = event.kind else {
+            panic!("{event}")
+        };
+        assert!((encounter.closest.time - arrival).abs() < 1e-3, "{event}");
     }
 }
