@@ -117,20 +117,31 @@ fn rotations() {
     }
 }
 
+/// Asserts that a file is refused in one line with these parts.
+fn assert_refused(name: &str, content: &str, parts: &[&str]) {
+    let output = screen(name, content);
+    let said = plain(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{name}: {said}");
+    assert_eq!(said.lines().count(), 1, "{name}: {said}");
+    assert!(said.contains("hitboxes.json"), "{name}: {said}");
+    for part in parts {
+        assert!(said.contains(part), "{name}: no {part:?} in {said}");
+    }
+    assert!(output.stdout.is_empty(), "{name}");
+}
+
+#[test]
+fn members_that_are_given_twice_are_refused() {
+    let bodies = r#"[{"body": 1, "body": 3, "spheres": [[0, 0, 0, 1]]}]"#;
+    assert_refused("twice", bodies, &["\"body\" is given twice at line 1"]);
+    let knots = r#"[{"body": 3, "orientation": {"knots": [], "knots": []}}]"#;
+    assert_refused("twice_inside", knots, &["\"knots\" is given twice"]);
+}
+
 #[test]
 fn bad_files_are_refused_in_one_line() {
     let cases = [
         ("no_json", "[", vec!["not JSON"]),
-        (
-            "twice",
-            r#"[{"body": 1, "body": 3, "spheres": [[0, 0, 0, 1]]}]"#,
-            vec!["\"body\" is given twice at line 1"],
-        ),
-        (
-            "twice_inside",
-            r#"[{"body": 3, "orientation": {"knots": [], "knots": []}}]"#,
-            vec!["\"knots\" is given twice"],
-        ),
         ("no_list", "{}", vec!["{} is not a list of entries"]),
         ("no_entry", "[7]", vec!["entry 0", "7 is no entry"]),
         (
@@ -213,15 +224,7 @@ fn bad_files_are_refused_in_one_line() {
         ),
     ];
     for (name, content, parts) in cases {
-        let output = screen(name, content);
-        let said = plain(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{name}: {said}");
-        assert_eq!(said.lines().count(), 1, "{name}: {said}");
-        assert!(said.contains("hitboxes.json"), "{name}: {said}");
-        for part in parts {
-            assert!(said.contains(part), "{name}: no {part:?} in {said}");
-        }
-        assert!(output.stdout.is_empty(), "{name}");
+        assert_refused(name, content, &parts);
     }
     let mut help = example("screen");
     let help = help.arg("--help").output().unwrap();
