@@ -235,7 +235,7 @@ fn both_sides_of_a_jump_count() {
 /// bits however far beyond the knot is looked, and when a monitor first saw the pair.
 #[test]
 fn a_velocity_at_the_last_knot_is_the_same_in_all_windows() {
-    let (end, velocity) = (8.0, -0.1);
+    let (end, velocity) = (8.0_f64, -0.1_f64);
     let state =
         |time: f64, height: f64, speed: f64| State::new(time, DVec3::Z * height, DVec3::Z * speed);
     // Of some plans, the velocity that the cubic has at its end is not quite the one that was given.
@@ -267,7 +267,7 @@ fn a_velocity_at_the_last_knot_is_the_same_in_all_windows() {
         for now in [5.5, 7.6] {
             monitor.advance(now, &mut Vec::new()).unwrap();
         }
-        assert_eq!(at(end).time, end);
+        assert_eq!(at(end).time.to_bits(), end.to_bits());
         assert_eq!(at(end), at(8.1));
         assert_eq!(monitor.conflicts(0).unwrap()[0].closest, at(8.1));
     }
@@ -277,7 +277,7 @@ fn a_velocity_at_the_last_knot_is_the_same_in_all_windows() {
 /// that of the new plan, whatever a monitor knew of it when it first saw the pair.
 #[test]
 fn a_velocity_at_a_jump_beyond_all_knots_is_the_new_one() {
-    let jump = 50.0;
+    let jump = 50.0_f64;
     let along = |start: f64, end: f64, at_jump: f64, speed: f64| {
         line(
             start,
@@ -303,12 +303,14 @@ fn a_velocity_at_a_jump_beyond_all_knots_is_the_new_one() {
             let screened = screen(&scene, window, 3.0);
             assert_eq!(monitor.conflicts(0).unwrap(), screened, "{now}");
             let closest = screened[0].closest;
-            let expected = if closest.time == jump { -7.0 } else { 0.1 };
+            let is_at_jump = closest.time.to_bits() == jump.to_bits();
+            let expected = if is_at_jump { -7.0 } else { 0.1 };
             assert!(
                 (closest.relative_velocity.x - expected).abs() < 1e-12,
                 "{closest:?}"
             );
         }
-        assert_eq!(monitor.conflicts(0).unwrap()[0].closest.time, jump);
+        let last = monitor.conflicts(0).unwrap()[0].closest;
+        assert_eq!(last.time.to_bits(), jump.to_bits());
     }
 }

@@ -298,7 +298,7 @@ fn a_margin_below_the_radii_is_the_same_for_all_callers() {
                 monitor.advance(0.0, &mut Vec::new()).unwrap();
                 monitor
             };
-            let (mut with_one, with_both) = (monitor_of(&one), monitor_of(&both));
+            let (with_one, with_both) = (monitor_of(&one), monitor_of(&both));
             assert_eq!(with_both.conflicts(0).unwrap(), found, "{margin}");
             let would = with_one.what_if_body(&body, 0).unwrap();
             assert_eq!(found, would, "{margin} {levels:?}");
