@@ -58,7 +58,10 @@ const FILES: &[(&str, &str)] = &[
      "row 3, column py: the row has 3 values, not 8 as the header; the last is \"0\""),
     ("+0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n", "row 3, column py: \"fast\" is not a finite number"),
     ("+0,0,0,0,0,\"0,0,0\n1,1,1,1,1,1,1,1\n",
-     "row 2, column vx: \"0,0,0\\n1,1,1,1,1,1,1,1\\n\" spans rows: close its quotation mark"),
+     "row 2, column vy: the row has 6 values, not 8 as the header; the last is \"0,0,0\\n1,1,1,1,1,1,1,1\\n\\n\"; close \
+      its quotation mark"),
+    ("+0,0,0,0,0,0,0,\"0\n1,1,1,1,1,1,1,1\n",
+     "row 2, column vz: \"0\\n1,1,1,1,1,1,1,1\\n\\n\" spans rows: close its quotation mark"),
     ("+0,0,0,0,0,,0,0\n", "row 2, column vx: \"\" is not a finite number"),
     ("+0,0,0,0,inf,0,0,0\n", "row 2, column pz: \"inf\" is not a finite number"),
     ("+0,2026-01-01T00:00:00Z,0,0,0,0,0,0\n",

@@ -136,14 +136,16 @@ impl Table {
 
     fn wrong_count(&self, line: u64, record: &ByteRecord, separator: u8) -> String {
         let (found, expected) = (record.len(), self.header.len());
-        let last = quoted(record.iter().next_back().unwrap_or_default());
+        let last = record.iter().next_back().unwrap_or_default();
         let column = self.header.column(found);
         let advice = match separator {
+            _ if last.contains(&b'\n') => "; close its quotation mark",
             b',' if found > expected => {
                 "; write decimal points, and names with commas in quotation marks"
             }
             _ => "",
         };
+        let last = quoted(last);
         format!(
             "row {line}, column {column}: the row has {found} values, not {expected} as the header; the last \
              is {last}{advice}"
