@@ -133,7 +133,9 @@ pub(crate) fn solve(
     match lone_pair(a, b, span) {
         Some(pair) => solve(&pair, span),
         None => {
-            ClusterPair::of(a, b, span).each_on_envelope(margin, |pair| solve(pair, span));
+            // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
+            let whole = (span.start, span.end);
+            TurningPair::of_clusters(a, b, span, Accuracy::Exact).each_within(margin, whole, solve);
         }
     }
     f64::INFINITY

@@ -182,7 +182,7 @@ impl PiecewiseLinearBound {
 }
 
 /// Returns the control points of `count` equal pieces of a cubic (a whole number), in time order.
-pub(super) fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
+fn pieces_of(points: &[DVec3; 4], count: f64) -> impl Iterator<Item = [DVec3; 4]> {
     let begins = successors(Some(0.0), |begin| Some(begin + 1.0));
     let begins = begins.take_while(move |&begin| begin < count);
     begins.map(move |begin| part(points, begin / count, (begin + 1.0) / count))

@@ -8,14 +8,14 @@
 //! - Before and after a contact the bodies are apart in the direction of the contact, which
 //!   excludes most pairs. The two spheres that reach farthest in it (as in GJK's support mapping)
 //!   are solved first, since they probably touch earlier, or later.
-//! - A monitor does not know window and margin yet. It keeps all pairs that are the nearest ones at
-//!   some time: the lower envelope of all separations.
+//!
+//! A monitor does not know window and margin yet. It needs all pairs that are the nearest ones at some time, and finds them
+//! as for bodies that turn.
 //!
 //! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the
 //! reported values have the same bits as if every pair was solved.
 
 mod chords;
-mod envelope;
 mod groups;
 mod proven_intervals;
 mod sphere_pairs;
@@ -25,7 +25,6 @@ mod tests;
 use super::sphere_pair::SpherePair;
 use crate::count::short;
 use chords::PiecewiseLinearBound;
-use envelope::Envelope;
 use groups::SphereGroups;
 use proven_intervals::ProvenIntervals;
 use sphere_pairs::SpherePairBound;
@@ -115,36 +114,6 @@ impl ClusterPair<'_> {
                     continue;
                 }
                 least_so_far = solve(&pair);
-                solved.add(self, candidate);
-            }
-        }
-    }
-
-    /// Solves the pairs of spheres that may come within `margin` and be their bodies' nearest ones
-    /// then. These suffice for this and all smaller margins, in any window.
-    pub(super) fn each_on_envelope(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
-        if self.are_few() {
-            return self.each_within(margin, solve);
-        }
-        let whole = (self.span.start, self.span.end);
-        let chords = PiecewiseLinearBound::of(self, whole, margin);
-        let near = margin.min(chords.most(self));
-        let groups = SphereGroups::of(self, &chords, near);
-        let (mut listed, mut some, mut candidates) = (0, Vec::new(), Vec::new());
-        while listed < self.a.spheres.len() {
-            groups.list((self, &chords), near, &mut listed, &mut some);
-            candidates.append(&mut some);
-            let envelope = Envelope::of(self, &chords, &candidates);
-            candidates.retain(|candidate| !envelope.is_above(candidate));
-        }
-        let mut solved = SolvedOffsets::default();
-        for candidate in &candidates {
-            if solved.holds(self, candidate) {
-                continue;
-            }
-            let pair = self.pair(candidate);
-            if !self.is_beyond(&pair.cubic.points, candidate, margin) {
-                solve(&pair);
                 solved.add(self, candidate);
             }
         }

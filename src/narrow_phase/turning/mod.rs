@@ -1,4 +1,5 @@
-//! Pairs of bodies of which at least one turns.
+//! Pairs of bodies of which at least one turns, and clusters of which a monitor needs all pairs of spheres that may be
+//! the nearest ones.
 //!
 //! The bounding spheres, which do not turn, show when the bodies may be near each other. There, the
 //! span is cut where a rotation's cubic ends. In each part every sphere's centre follows a cubic of
@@ -26,7 +27,7 @@ use glam::DVec3;
 use half_space::TurningOverPlane;
 use part::{PartScratch, SpheresOverPart};
 
-/// Two bodies of which at least one turns, over a span.
+/// Two bodies over a span, of which at least one turns or is a cluster.
 pub(super) struct TurningPair<'a> {
     a: &'a BodyView<'a>,
     b: &'a BodyView<'a>,
@@ -45,21 +46,34 @@ impl<'a> TurningPair<'a> {
         span: Span,
         accuracy: Accuracy,
     ) -> Option<Self> {
-        (a.turning.is_some() || b.turning.is_some()).then(|| Self {
+        let turns = a.turning.is_some() || b.turning.is_some();
+        turns.then(|| Self::of_clusters(a, b, span, accuracy))
+    }
+
+    /// Returns the pair of two bodies of which neither has to turn.
+    pub(super) fn of_clusters(
+        a: &'a BodyView<'a>,
+        b: &'a BodyView<'a>,
+        span: Span,
+        accuracy: Accuracy,
+    ) -> Self {
+        Self {
             a,
             b,
             span,
             accuracy,
             offset: a.bounding.offset - b.bounding.offset,
-        })
+        }
     }
 
     /// Returns the magnitude to which all rounding over a part of the span is relative, m.
     fn scale(&self, part: Span) -> f64 {
         let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
         let scale = local_scale(segment_a, segment_b, (part.start, part.end), self.offset);
-        // A sphere's centre, and the control points of its way.
-        scale + 4.0 * (self.a.bounding.radius + self.b.bounding.radius)
+        // A sphere's centre, and the control points of its way. Clusters that do not turn may lie aside.
+        let reach =
+            |view: &BodyView<'_>| view.bounding.offset.abs().element_sum() + view.bounding.radius;
+        scale + 4.0 * (reach(self.a) + reach(self.b))
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets

@@ -447,15 +447,21 @@ impl<'a> SpheresOverPart<'a> {
         };
         let (radius_a, error_a) = radius_and_error(0, sphere_a);
         let (radius_b, error_b) = radius_and_error(1, sphere_b);
-        let [p0, p1, p2, p3] = self.whole.way(0, sphere_a);
-        let [q0, q1, q2, q3] = self.whole.way(1, sphere_b);
+        let cubic = if self.whole.rotations.iter().all(Option::is_none) {
+            // With the bits of a screening, which finds the nearest pairs of fixed clusters in another way.
+            self.motion.of_spheres(sphere_a.offset - sphere_b.offset)
+        } else {
+            let [p0, p1, p2, p3] = self.whole.way(0, sphere_a);
+            let [q0, q1, q2, q3] = self.whole.way(1, sphere_b);
+            self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3])
+        };
         SpherePair {
             a,
             b,
             radius_a,
             radius_b,
             path_error: error_a + error_b,
-            cubic: self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3]),
+            cubic,
         }
     }
 }
