@@ -1,8 +1,8 @@
 //! Work on all threads of the current rayon pool, or on the caller's without the feature
 //! `parallel`.
 //!
-//! A pool of one thread is not asked: that thread may be busy elsewhere, as a main thread that is the pool's own is while
-//! it waits for a live monitor.
+//! A thread in no pool does not ask a global pool of one thread: that one may be busy elsewhere, as a main thread that is
+//! the pool's own is while it waits for a live monitor.
 //!
 //! Divided work meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
 //! each closure: with them the crate had a fifth more code to compile.
@@ -89,10 +89,21 @@ impl<T: Send, U: Send, V: Send> Divide for Shares<'_, T, U, V> {
     }
 }
 
+/// Returns true if this thread does all: it is in no pool, and its work would wait for the only thread of the global one.
+#[cfg(feature = "parallel")]
+fn is_alone() -> bool {
+    threads() == 1 && rayon::current_thread_index().is_none()
+}
+
 /// Runs two tasks, on two threads if another one has time. A task is told whether another thread took
 /// it over.
 #[cfg(feature = "parallel")]
 pub(crate) fn run_both(one: &mut (dyn FnMut(bool) + Send), other: &mut (dyn FnMut(bool) + Send)) {
+    if is_alone() {
+        one(false);
+        other(false);
+        return;
+    }
     rayon::join_context(
         |context| one(context.migrated()),
         |context| other(context.migrated()),
@@ -150,7 +161,7 @@ fn run<W: Divide, T: Send>(
     task: impl Fn(usize, W) -> T + Sync,
 ) -> Vec<T> {
     #[cfg(feature = "parallel")]
-    if is_shared && threads() > 1 {
+    if is_shared {
         return share_out(work, 0, (threads(), false), &task);
     }
     #[cfg(not(feature = "parallel"))]
@@ -182,7 +193,7 @@ pub(crate) fn fold<T: Send>(
     new: impl Fn() -> T + Sync,
     work: impl Fn(&mut T, usize) + Sync,
 ) -> Vec<T> {
-    run(0..count, count > few, |_, indices| {
+    run(0..count, count > few && threads() > 1, |_, indices| {
         let mut value = new();
         indices.for_each(|index| work(&mut value, index));
         value
@@ -198,7 +209,7 @@ pub(crate) fn map_into<T: Send>(
     work: impl Fn(usize) -> T + Sync + Send,
 ) {
     #[cfg(feature = "parallel")]
-    if count > few && threads() > 1 {
+    if count > few && !is_alone() {
         use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
         (0..count).into_par_iter().map(work).collect_into_vec(list);
         return;
@@ -263,7 +274,7 @@ pub(crate) fn join<T: Send, U: Send>(
     other: impl FnOnce() -> U + Send,
 ) -> (T, U) {
     #[cfg(feature = "parallel")]
-    if count > few && threads() > 1 {
+    if count > few && !is_alone() {
         return rayon::join(one, other);
     }
     #[cfg(not(feature = "parallel"))]
@@ -275,7 +286,7 @@ pub(crate) fn join<T: Send, U: Send>(
 /// Sorts by a total order without ties that matter: the same on any number of threads.
 pub(crate) fn sort<T: Send>(values: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
     #[cfg(feature = "parallel")]
-    if threads() > 1 {
+    if !is_alone() {
         use rayon::slice::ParallelSliceMut;
         values.par_sort_by(order);
         return;
