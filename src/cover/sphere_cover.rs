@@ -60,7 +60,8 @@ impl SphereCover {
     ///
     /// The shape's f32 numbers count as exact. A compound is covered part by part, and a depth in
     /// it is that in one of its parts: parts that overlap well lead to better bounds. The interior of
-    /// a mesh is where its surface winds around.
+    /// a mesh is where its surface winds around. A convex polyhedron is the hull of all its points, also of those that
+    /// parry3d leaves out of its faces.
     ///
     /// A shape and options lead to the same bits on any number of threads.
     ///
