@@ -139,6 +139,15 @@ fn members_that_are_given_twice_are_refused() {
 }
 
 #[test]
+fn a_byte_order_mark_changes_nothing() {
+    let bodies =
+        r#"[{"body": 0, "half_space": [0, 0, 1]}, {"body": 3, "spheres": [[0, 0, -1.5, 1]]}]"#;
+    let found = rows("unmarked", bodies);
+    assert!(!found.is_empty());
+    assert_eq!(rows("marked", &format!("\u{feff}{bodies}")), found);
+}
+
+#[test]
 fn bad_files_are_refused_in_one_line() {
     let cases = [
         ("no_json", "[", vec!["not JSON"]),
