@@ -34,7 +34,7 @@
 //! | cubics of quaternions that vanish | `orientation/quaternion_cubic` | `terms::cubics_that_vanish_are_unknown` |
 //! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |
 //! | twice the error in it | `orientation/turning` | proof 13 |
-//! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/turning` | `turning::tests` |
+//! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/clusters` | `clusters::tests` |
 //! | instants of a bounding sphere | `narrow_phase/turning/cells` | proof 14 |
 //! | slack and deviation of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |

@@ -22,7 +22,6 @@ use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::{DistanceProfile, NEVER};
-use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
 use crate::enclosure::{Stretch, Threshold, Verdict};
@@ -129,28 +128,20 @@ pub(crate) fn certified_contacts(
     let farthest = 2.0 * band.error;
     workspace.clear();
     for span in spans {
-        if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Certified) {
-            turning.each_within(band.outer, clip, |pair, part| {
-                workspace.solve(pair, part, &band, clip);
-            });
-            continue;
-        }
         if let Some(pair) = lone_pair(a, b, span) {
             workspace.solve(&pair, span, &band, clip);
             continue;
         }
-        ClusterPair::of(a, b, span).each_for_contacts(band.outer, clip, |pair, proven_contacts| {
-            let parts = workspace.solve(pair, span, &band, clip);
-            let Some(proven_contacts) = proven_contacts else {
-                return;
-            };
+        let clusters = ClusterPair::of(a, b, span, Accuracy::Certified);
+        clusters.each_for_contacts(band.outer, clip, |pair, part, proven| {
+            let verdicts = workspace.solve(pair, part, &band, clip);
             // Only what is certain keeps others from being looked at.
-            let inside = parts.iter().filter(|part| part.side == Verdict::Inside);
-            proven_contacts.extend(inside.map(|part| ProvenContact {
-                enter: part.start,
-                exit: part.end,
+            let inside = verdicts.iter().filter(|one| one.side == Verdict::Inside);
+            proven.extend(inside.map(|one| ProvenContact {
+                enter: one.start,
+                exit: one.end,
                 // Others that come within the model errors of it may be nearer.
-                separation: widened(pair.reaches(span, (part.start, part.end)), farthest),
+                separation: widened(pair.reaches(part, (one.start, one.end)), farthest),
             }));
         });
     }

@@ -6,7 +6,6 @@ use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::stretches::{DistanceProfile, FoundContact, NEVER};
-use super::turning::TurningPair;
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::conflict::Clip;
@@ -127,18 +126,13 @@ pub(crate) fn solve(
             );
         }
     };
-    if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        return turning.each_within_after(margin, (clip, after), solve);
+    if let Some(pair) = lone_pair(a, b, span) {
+        solve(&pair, span);
+        return f64::INFINITY;
     }
-    match lone_pair(a, b, span) {
-        Some(pair) => solve(&pair, span),
-        None => {
-            // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
-            let whole = (span.start, span.end);
-            TurningPair::of_clusters(a, b, span, Accuracy::Exact).each_within(margin, whole, solve);
-        }
-    }
-    f64::INFINITY
+    // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
+    let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
+    clusters.each_within_after(margin, (clip, after), solve)
 }
 
 /// Appends all maximal intervals of `clip` with separation of at most `margin` and the bodies' model
@@ -204,25 +198,17 @@ fn contacts_of_many(
     clip: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
-    if let Some(turning) = TurningPair::of(a, b, span, Accuracy::Exact) {
-        let mut before = NEVER;
-        turning.each_within(margin, clip, |pair, part| {
-            let count = found.len();
-            solved_contacts(pair, part, margin, (clip, before), found);
-            before = with_more(before, &found[count..]);
-        });
-        return;
-    }
-    ClusterPair::of(a, b, span).each_for_contacts(margin, clip, |pair, proven_contacts| {
+    let mut before = NEVER;
+    let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
+    clusters.each_for_contacts(margin, clip, |pair, part, proven| {
         let count = found.len();
-        solved_contacts(pair, span, margin, (clip, NEVER), found);
-        if let Some(proven_contacts) = proven_contacts {
-            proven_contacts.extend(found[count..].iter().map(|contact| ProvenContact {
-                enter: contact.enter,
-                exit: contact.exit,
-                separation: contact.closest.separation,
-            }));
-        }
+        solved_contacts(pair, part, margin, (clip, before), found);
+        before = with_more(before, &found[count..]);
+        proven.extend(found[count..].iter().map(|contact| ProvenContact {
+            enter: contact.enter,
+            exit: contact.exit,
+            separation: contact.closest.separation,
+        }));
     });
 }
 
@@ -310,17 +296,13 @@ pub(super) fn each_for_nearest(
     least_so_far: f64,
     mut solve: impl FnMut(&SpherePair, Span) -> f64,
 ) {
-    if let Some(turning) = TurningPair::of(a, b, span, accuracy) {
-        return turning.each_for_nearest(clip, least_so_far, solve);
-    }
     match lone_pair(a, b, span) {
         Some(pair) => {
             if !(least_so_far < f64::INFINITY && pair.is_beyond(a, b, span, least_so_far)) {
                 solve(&pair, span);
             }
         }
-        None => ClusterPair::of(a, b, span)
-            .each_for_nearest(clip, least_so_far, |pair| solve(pair, span)),
+        None => ClusterPair::of(a, b, span, accuracy).each_for_nearest(clip, least_so_far, solve),
     }
 }
 

@@ -3,8 +3,8 @@
 //! The solver works on a body's cubics and spheres, span by span. Within a span it forms the
 //! `relative` cubic, applies the `rejection` tests or control heights of the `squared_distance`, and finds `stationary`
 //! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
-//! across spans and spheres, `certified` with certificates. For two clusters, `clusters` selects
-//! the pairs of spheres to solve; where a body turns, `turning` does. A `half_space` and a sphere are
+//! across spans and spheres, `certified` with certificates. For two bodies of which one
+//! is a cluster or turns, `clusters` selects the pairs of spheres to solve. A `half_space` and a sphere are
 //! solved as two spheres on a line. [`kernels`] answers many independent pairs at once.
 //!
 //! Words: [`internals`](crate::internals).
@@ -23,7 +23,6 @@ mod sphere_pair;
 mod squared_distance;
 mod stationary;
 mod stretches;
-mod turning;
 
 pub(crate) use approach::{approaching, keep_approaching};
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};

@@ -1,189 +1,276 @@
-//! Selection of the pairs of spheres that matter, for two clusters over a span.
+//! Selection of the pairs of spheres that matter, for two bodies of which at least one is a cluster or turns.
 //!
-//! All pairs share one relative motion, each with an offset of its own. Most near pairs neither
-//! begin nor end a contact, nor are they ever the nearest ones, and need not be solved:
-//! - Chords of the motion give a lower bound of each pair's separation.
-//! - A solved pair proves times within the margin, and a separation. Another pair matters only if
-//!   it may be within the margin at another time, or be nearer.
-//! - Before and after a contact the bodies are apart in the direction of the contact, which
-//!   excludes most pairs. The two spheres that reach farthest in it (as in GJK's support mapping)
-//!   are solved first, since they probably touch earlier, or later.
+//! The bounding spheres, which do not turn, show when the bodies may be near each other. There, the
+//! span is cut where a rotation's cubic ends. In each part every sphere's centre follows a cubic of
+//! its own, so each pair of spheres is solved like two bodies of one sphere each. Most pairs that come near neither
+//! begin nor end a contact, nor are they ever the nearest ones:
 //!
-//! A monitor does not know window and margin yet. It needs all pairs that are the nearest ones at some time, and finds them
-//! as for bodies that turn.
+//! - A screening solves those first that are probably the nearest ones. What these prove tells how near another
+//!   pair must come, and when, to matter (`search`).
+//! - A monitor does not know window and margin yet. It needs all pairs that are the nearest ones at some time
+//!   (`candidates`).
 //!
-//! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the
-//! reported values have the same bits as if every pair was solved.
+//! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the reported values have the
+//! same bits as if every pair was solved.
+//!
+//! The cuts depend on the orientations alone, and each part is solved as a whole. Hence a window,
+//! a margin or a slicing selects parts, and changes no bit of their results.
 
-mod chords;
-mod groups;
-mod proven_intervals;
-mod sphere_pairs;
+mod candidates;
+mod cells;
+mod half_space;
+mod part;
+mod proven;
+mod search;
 #[cfg(test)]
 mod tests;
 
+use super::BodyView;
+use super::contact_radius;
+use super::rejection::certainly_beyond;
+use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::SpherePair;
-use crate::count::short;
-use chords::PiecewiseLinearBound;
-use groups::SphereGroups;
-use proven_intervals::ProvenIntervals;
-use sphere_pairs::SpherePairBound;
-pub(super) use sphere_pairs::{ClusterPair, ProvenContact};
-use std::collections::HashMap;
+use crate::accuracy::Accuracy;
+use crate::spans::Span;
+use cells::{Cell, Cells, Rotations, each_near, nearest_first};
+use glam::DVec3;
+use half_space::TurningOverPlane;
+use part::{PartScratch, SpheresOverPart};
+pub(super) use proven::ProvenContact;
+use proven::ProvenContacts;
+use search::{ClosestQuestion, ContactsQuestion};
 
-impl ClusterPair<'_> {
-    /// Largest number of pairs of spheres of which all are solved: nothing else would be faster.
-    const FEW: usize = 9;
+/// Two bodies over a span, of which at least one is a cluster or turns.
+pub(super) struct ClusterPair<'a> {
+    a: &'a BodyView<'a>,
+    b: &'a BodyView<'a>,
+    span: Span,
+    accuracy: Accuracy,
+    /// Difference of the bounding spheres' offsets, m.
+    offset: DVec3,
+}
 
-    /// Solves the pairs of spheres that matter for contacts within `margin` in `clip`. If asked to,
-    /// `solve` returns the contacts of each.
+impl<'a> ClusterPair<'a> {
+    pub(super) fn of(
+        a: &'a BodyView<'a>,
+        b: &'a BodyView<'a>,
+        span: Span,
+        accuracy: Accuracy,
+    ) -> Self {
+        Self {
+            a,
+            b,
+            span,
+            accuracy,
+            offset: a.bounding.offset - b.bounding.offset,
+        }
+    }
+
+    /// Returns the magnitude to which all rounding over a part of the span is relative, m.
+    fn scale(&self, part: Span) -> f64 {
+        let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
+        let scale = local_scale(segment_a, segment_b, (part.start, part.end), self.offset);
+        // A sphere's centre, and the control points of its way. Clusters that do not turn may lie aside.
+        let reach =
+            |view: &BodyView<'_>| view.bounding.offset.abs().element_sum() + view.bounding.radius;
+        scale + 4.0 * (reach(self.a) + reach(self.b))
+    }
+
+    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
+    /// `clip`; `solve` gets that part as well.
+    pub(super) fn each_within(
+        &self,
+        margin: f64,
+        clip: (f64, f64),
+        solve: impl FnMut(&SpherePair, Span),
+    ) {
+        self.each_near(margin, clip, f64::NEG_INFINITY, solve);
+    }
+
+    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
+    /// `clip` and does not begin before `after` (s). Returns the end of the last such part, the next
+    /// value of `after`; infinity if it ends with the span.
+    pub(super) fn each_within_after(
+        &self,
+        margin: f64,
+        (clip, after): ((f64, f64), f64),
+        mut solve: impl FnMut(&SpherePair, Span),
+    ) -> f64 {
+        if clip.1 < self.span.start {
+            // A span may last for ever: its parts are not gone through before the interval comes there.
+            return self.span.start;
+        }
+        let last = self.cells((clip.1, clip.1)).last();
+        let reached = last.map_or(self.span.end, |cell| cell.span.end);
+        // The last part may have bounding spheres that come near after `clip` alone: it is solved as a whole.
+        let parts = (clip.0, reached.max(clip.1));
+        self.each_near(margin, parts, after, |pair, part| {
+            if part.start <= clip.1 {
+                solve(pair, part);
+            }
+        });
+        if reached < self.span.end {
+            reached
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
+    /// the part of the span as well, and returns the new value of `reached`.
+    pub(super) fn each_for_nearest(
+        &self,
+        clip: (f64, f64),
+        mut reached: f64,
+        mut solve: impl FnMut(&SpherePair, Span) -> f64,
+    ) {
+        if let Some(over_plane) = self.over_plane() {
+            return over_plane.each_for_nearest(clip, reached, solve);
+        }
+        let clip = (clip.0.max(self.span.start), clip.1.min(self.span.end));
+        if reached < f64::INFINITY
+            && self.is_beyond(&self.motion(self.span), reached, self.scale(self.span))
+        {
+            return;
+        }
+        let cubic = self.cubic();
+        let distance = |cell: &Cell| {
+            let middle = cubic.parameter(cell.middle(clip)?);
+            Some(cubic.at(middle).0.length_squared())
+        };
+        let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
+        nearest_first(self.cells(clip), distance, |cell| {
+            let Some(part) = self.part(cell, reached, &mut rotations) else {
+                return;
+            };
+            let solve = |pair: &SpherePair| solve(pair, cell.span);
+            let mut question = ClosestQuestion { reached, solve };
+            part.search(&mut question, &mut scratch);
+            reached = question.reached;
+        });
+    }
+
+    /// Solves the pairs of spheres that may begin or end a contact within `margin` in `clip`, or be the nearest ones in it.
+    /// `solve` gets the part of the span as well, and appends the pair's contacts to an empty list.
     pub(super) fn each_for_contacts(
         &self,
         margin: f64,
         clip: (f64, f64),
-        mut solve: impl FnMut(&SpherePair, Option<&mut Vec<ProvenContact>>),
+        mut solve: impl FnMut(&SpherePair, Span, &mut Vec<ProvenContact>),
     ) {
-        let part = self.part(clip);
-        if part.0 > part.1 {
-            return;
+        let mut contacts = Vec::new();
+        if self.over_plane().is_some() {
+            return self.each_within(margin, clip, |pair, part| {
+                contacts.clear();
+                solve(pair, part, &mut contacts);
+            });
         }
-        if self.are_few() {
-            return self.each_within(margin, |pair| solve(pair, None));
-        }
-        let mut proven_contacts = Vec::new();
-        let chords = PiecewiseLinearBound::of(self, part, margin);
-        let mut proven = ProvenIntervals::new(self, part, margin, chords.slack);
-        let mut solved = SolvedOffsets::default();
-        let mut solve = |candidate: &SpherePairBound,
-                         proven: &mut ProvenIntervals<'_>,
-                         solved: &mut SolvedOffsets| {
-            solved.add(self, candidate);
-            let pair = self.pair(candidate);
-            if !self.is_beyond(&pair.cubic.points, candidate, margin) {
-                proven_contacts.clear();
-                solve(&pair, proven.can_learn().then_some(&mut proven_contacts));
-                proven.learn(&proven_contacts, self.offset(candidate));
-            }
-        };
-        let margin = self.reached(&chords, margin);
-        let groups = SphereGroups::of(self, &chords, margin);
-        let (mut listed, mut candidates) = (0, Vec::new());
-        while listed < self.a.spheres.len() {
-            groups.list((self, &chords), margin, &mut listed, &mut candidates);
-            let mut next = nearest(&candidates);
-            if let Some(nearest) = next {
-                proven.look(chords.nearest_point(self.offset(nearest)));
-            }
-            let mut others = candidates.iter();
-            while let Some(candidate) = next {
-                solve(candidate, &mut proven, &mut solved);
-                while let Some(support) = proven.support() {
-                    let found = candidates.iter().find(|one| (one.a, one.b) == support);
-                    if let Some(candidate) = found.filter(|one| !solved.holds(self, one)) {
-                        solve(candidate, &mut proven, &mut solved);
-                    }
-                }
-                next = others.find(|other| proven.may_matter(other) && !solved.holds(self, other));
-            }
-        }
+        self.each_part_near(margin, (clip, f64::NEG_INFINITY), |part, span, scratch| {
+            let proven = ProvenContacts::new(span, (margin, clip), part.slack());
+            let mut question = ContactsQuestion {
+                proven,
+                found: &mut contacts,
+                solve: |pair: &SpherePair, found: &mut Vec<ProvenContact>| solve(pair, span, found),
+            };
+            part.search(&mut question, scratch);
+        });
     }
 
-    /// Solves the pairs of spheres that may come nearer in `clip` than `least_so_far` (m); `solve`
-    /// returns the new value of `least_so_far`.
-    pub(super) fn each_for_nearest(
+    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets an
+    /// interval (s) and does not begin before `after` (s).
+    fn each_near(
         &self,
-        clip: (f64, f64),
-        mut least_so_far: f64,
-        mut solve: impl FnMut(&SpherePair) -> f64,
+        margin: f64,
+        (from, to): (f64, f64),
+        after: f64,
+        mut solve: impl FnMut(&SpherePair, Span),
     ) {
-        let chords = PiecewiseLinearBound::of(self, self.part(clip), 0.0);
-        let mut solved = SolvedOffsets::default();
-        let within = self.reached(&chords, least_so_far.min(chords.least_of_some(self)));
-        let groups = SphereGroups::of(self, &chords, within);
-        let (mut listed, mut candidates) = (0, Vec::new());
-        while listed < self.a.spheres.len() {
-            groups.list((self, &chords), within, &mut listed, &mut candidates);
-            for candidate in nearest(&candidates).into_iter().chain(&candidates) {
-                let near = least_so_far + chords.slack;
-                if candidate.low > near || solved.holds(self, candidate) {
-                    continue;
-                }
-                let pair = self.pair(candidate);
-                let points = &pair.cubic.points;
-                if near < f64::INFINITY && self.is_beyond(points, candidate, near) {
-                    continue;
-                }
-                least_so_far = solve(&pair);
-                solved.add(self, candidate);
+        if let Some(over_plane) = self.over_plane() {
+            return over_plane.each_near(margin, (from, to), after, solve);
+        }
+        self.each_part_near(margin, ((from, to), after), |part, span, scratch| {
+            part.each_within(margin, scratch, |pair| solve(pair, span));
+        });
+    }
+
+    /// Calls `visit` with the spheres over each part of the span that meets an interval (s), does not begin before `after`
+    /// (s), and in which the bounding spheres may come within `margin`.
+    fn each_part_near(
+        &self,
+        margin: f64,
+        ((from, to), after): ((f64, f64), f64),
+        mut visit: impl FnMut(&SpheresOverPart<'_>, Span, &mut PartScratch),
+    ) {
+        let Some(threshold) = self.threshold(margin, self.scale(self.span)) else {
+            return;
+        };
+        let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
+        let interval = (from.max(self.span.start), to.min(self.span.end));
+        let near = || {
+            let cubic = self.cubic();
+            Some((cubic, cubic.uncertain(), threshold))
+        };
+        let cells = |interval| self.cells(interval);
+        each_near(cells, (interval, after), near, |cell| {
+            if let Some(part) = self.part(cell, margin, &mut rotations) {
+                visit(&part, cell.span, &mut scratch);
             }
+        });
+    }
+
+    /// Returns the pair if one body is a half-space.
+    fn over_plane(&self) -> Option<TurningOverPlane<'a>> {
+        TurningOverPlane::of(self.a, self.b, self.span, self.accuracy)
+    }
+
+    fn cells(&self, interval: (f64, f64)) -> Cells<'a> {
+        Cells::of((self.a, self.b), self.span, self.accuracy, interval)
+    }
+
+    /// Returns the distance within which the bounding spheres' centres are where the separation
+    /// may be `margin`, or `None` if it never is.
+    fn threshold(&self, margin: f64, scale: f64) -> Option<f64> {
+        let radius = contact_radius(self.a.bounding.radius, self.b.bounding.radius, margin);
+        (radius >= 0.0).then(|| rejection_threshold(radius, scale))
+    }
+
+    /// Returns the relative motion of the bounding spheres' centres over the whole span.
+    fn cubic(&self) -> RelativeCubic {
+        self.motion(self.span).of_spheres(self.offset)
+    }
+
+    /// Returns the motion of the bodies over a part of the span.
+    fn motion(&self, part: Span) -> RelativeMotion {
+        let [segment_a, segment_b] = &self.a.segments_in(self.b, part);
+        RelativeMotion::between(segment_a, segment_b, (part.start, part.end))
+    }
+
+    /// Returns true if the bounding spheres certainly stay farther apart than `margin`.
+    fn is_beyond(&self, motion: &RelativeMotion, margin: f64, scale: f64) -> bool {
+        let threshold = self.threshold(margin, scale);
+        threshold.is_none_or(|threshold| certainly_beyond(&motion.points(self.offset), threshold))
+    }
+
+    /// Returns the spheres over a part of the span, or `None` if the bounding spheres are certainly
+    /// farther apart than `margin`, which may be infinite.
+    fn part(
+        &self,
+        cell: &Cell,
+        margin: f64,
+        rotations: &mut Rotations,
+    ) -> Option<SpheresOverPart<'a>> {
+        let (motion, scale) = (self.motion(cell.span), self.scale(cell.span));
+        if margin < f64::INFINITY && self.is_beyond(&motion, margin, scale) {
+            return None;
         }
+        let views = [self.a, self.b];
+        let rotations = rotations.over(views, cell, self.accuracy);
+        let motion = (motion, scale);
+        Some(SpheresOverPart::new(
+            views,
+            self.accuracy,
+            motion,
+            rotations,
+        ))
     }
-
-    /// Returns a margin, or less if pairs of spheres are the nearest ones of their bodies only within that.
-    ///
-    /// With a large model error all pairs are within the margin, and hardly any contact is certain.
-    fn reached(&self, chords: &PiecewiseLinearBound, margin: f64) -> f64 {
-        if self.a.model_error_with(self.b) > 0.0 {
-            margin.min(chords.most(self))
-        } else {
-            margin
-        }
-    }
-
-    fn are_few(&self) -> bool {
-        self.a.spheres.len() * self.b.spheres.len() <= Self::FEW
-    }
-
-    fn each_within(&self, margin: f64, mut solve: impl FnMut(&SpherePair)) {
-        for a in 0..self.a.spheres.len() {
-            for b in 0..self.b.spheres.len() {
-                let candidate = SpherePairBound {
-                    a: short(a),
-                    b: short(b),
-                    low: f64::NEG_INFINITY,
-                };
-                let pair = self.pair(&candidate);
-                if !self.is_beyond(&pair.cubic.points, &candidate, margin) {
-                    solve(&pair);
-                }
-            }
-        }
-    }
-}
-
-/// The motions of the pairs of spheres that were solved.
-#[derive(Default)]
-struct SolvedOffsets(HashMap<OffsetKey, (u32, u32)>);
-
-/// Offset and radii of two spheres, as bits.
-type OffsetKey = ([u64; 3], [u64; 2]);
-
-impl SolvedOffsets {
-    fn motion(clusters: &ClusterPair<'_>, candidate: &SpherePairBound) -> OffsetKey {
-        let (a, b) = clusters.spheres(candidate);
-        // Of two zeros, one.
-        let offset = (clusters.offset(candidate) + 0.0).to_array();
-        (
-            offset.map(f64::to_bits),
-            [a.radius, b.radius].map(f64::to_bits),
-        )
-    }
-
-    fn add(&mut self, clusters: &ClusterPair<'_>, candidate: &SpherePairBound) {
-        let numbers = (candidate.a, candidate.b);
-        let first = self.0.entry(Self::motion(clusters, candidate));
-        let first = first.or_insert(numbers);
-        *first = numbers.min(*first);
-    }
-
-    /// Returns true if a pair was solved, or moves exactly as a solved pair with smaller numbers,
-    /// which is reported in a tie.
-    fn holds(&self, clusters: &ClusterPair<'_>, candidate: &SpherePairBound) -> bool {
-        let first = self.0.get(&Self::motion(clusters, candidate));
-        first.is_some_and(|&first| first <= (candidate.a, candidate.b))
-    }
-}
-
-fn nearest(candidates: &[SpherePairBound]) -> Option<&SpherePairBound> {
-    candidates.iter().min_by(|x, y| x.low.total_cmp(&y.low))
 }

@@ -1,5 +1,6 @@
 //! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
 
+use super::proven::Piece;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
 use crate::rounding::UNIT_ROUNDOFF;
 use glam::DVec3;
@@ -25,16 +26,32 @@ pub(super) struct SphereCandidate {
 impl SphereCandidate {
     /// Returns the two spheres over both halves of the interval.
     fn halves(&self) -> [Self; 2] {
-        let [mut first, mut second] = [*self; 2];
-        let mut level = self.heights;
-        for degree in (0..7).rev() {
-            first.heights[6 - degree] = level[0];
-            second.heights[degree] = level[degree];
-            for place in 0..degree {
-                level[place] = 0.5 * (level[place] + level[place + 1]);
+        halves(&self.heights).map(|heights| Self { heights, ..*self })
+    }
+
+    /// Returns a lower bound of the separation, in the unit of lengths.
+    pub(super) fn least(&self) -> f64 {
+        self.lowest.sqrt() - self.radii
+    }
+
+    /// Returns true if the spheres may come as near as they must in a piece of the interval, to matter there. `within` turns
+    /// a bound (m) into a separation in the unit of lengths.
+    pub(super) fn comes_within(&self, pieces: &[Piece], within: impl Fn(f64) -> f64) -> bool {
+        let (mut heights, mut start) = (self.heights, 0.0);
+        for &Piece { end, bound } in pieces {
+            let mut piece = heights;
+            if end < 1.0 {
+                let share = (end - start) / (1.0 - start);
+                [piece, heights] = split(&heights, share);
+            }
+            start = end;
+            let distance = within(bound) + self.radii;
+            let square = distance * distance + 4.0 * self.rounding;
+            if distance >= 0.0 && !is_above(&piece, square, 2) {
+                return true;
             }
         }
-        [first, second]
+        false
     }
 
     /// Returns what tells how near the spheres are at the start, in the middle and at the end of the part: the
@@ -64,6 +81,47 @@ impl SphereCandidate {
         }
         lowest > least
     }
+}
+
+/// Returns the control heights of both halves of an interval.
+fn halves(heights: &[f64; 7]) -> [[f64; 7]; 2] {
+    divide(heights, |first, second| 0.5 * (first + second))
+}
+
+/// Returns the control heights before and after a share of an interval.
+fn split(heights: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
+    divide(heights, |first, second| {
+        (1.0 - share) * first + share * second
+    })
+}
+
+/// Divides a polynomial (de Casteljau); `mean` mixes two neighbouring control heights.
+#[inline(always)]
+fn divide(heights: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
+    let (mut first, mut second) = (*heights, *heights);
+    let mut level = *heights;
+    for degree in (0..7).rev() {
+        first[6 - degree] = level[0];
+        second[degree] = level[degree];
+        for place in 0..degree {
+            level[place] = mean(level[place], level[place + 1]);
+        }
+    }
+    [first, second]
+}
+
+/// Returns true if a polynomial is above a bound, as can be told by halving the interval so many times.
+fn is_above(heights: &[f64; 7], bound: f64, halvings: u32) -> bool {
+    if heights.iter().all(|&height| height > bound) {
+        return true;
+    }
+    // Its ends are its values there.
+    halvings > 0
+        && heights[0] > bound
+        && heights[6] > bound
+        && halves(heights)
+            .iter()
+            .all(|half| is_above(half, bound, halvings - 1))
 }
 
 /// Removes the candidates from `first` on in a list of which another one is nearer by more than `slack` all the time.

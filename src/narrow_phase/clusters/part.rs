@@ -21,21 +21,24 @@ use crate::narrow_phase::sphere_pair::{SpherePair, farthest};
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
 pub(super) struct SpheresOverPart<'a> {
     views: [&'a BodyView<'a>; 2],
     accuracy: Accuracy,
     motion: RelativeMotion,
-    whole: Interval,
+    pub(super) whole: Interval,
     /// Magnitude to which all rounding is relative, m.
-    scale: f64,
+    pub(super) scale: f64,
     /// Bound of both centres' errors, for any two spheres, m.
-    error: f64,
+    pub(super) error: f64,
 }
 
 /// The control points of two bodies' motions over the part, or over an interval of it.
-struct Interval {
+pub(super) struct Interval {
+    /// Its ends as shares of the part.
+    pub(super) ends: (f64, f64),
     /// Those of the bodies' relative position, m.
     base: [DVec3; 4],
     rotations: [Option<BakedRotation>; 2],
@@ -44,70 +47,105 @@ struct Interval {
 /// Buffers that one part leaves to the next.
 #[derive(Debug, Default)]
 pub(super) struct PartScratch {
-    /// Buffers for the part, for a half of it, and so on.
-    near: [NearSpheres; 1 + SpheresOverPart::INTERVAL_HALVINGS],
-    candidates: Vec<SphereCandidate>,
+    /// Buffers for the part, for a half of it or of its spheres, and so on.
+    pub(super) near: [NearSpheres; SpheresOverPart::DEPTH],
+    pub(super) candidates: Vec<SphereCandidate>,
     /// Pairs of spheres that may be the nearest ones at some time.
     nearest: Vec<(u32, u32)>,
-    /// Lower bound of the separation of two spheres that may come near, in the unit of lengths, and their numbers.
-    bounds: Vec<(f64, (u32, u32))>,
+    /// Pairs of spheres that are solved.
+    pub(super) solved: Vec<(Motion, (u32, u32))>,
+    /// Motions of the pairs in `nearest`.
+    motions: HashSet<Motion>,
 }
+
+/// Bits that tell motions of pairs of spheres apart: those alike have the same distance all the time.
+pub(super) type Motion = [u64; 5];
 
 /// The spheres of two bodies that may be near the other body in an interval.
 #[derive(Debug, Default)]
-struct NearSpheres {
-    /// Numbers of each body's spheres.
-    numbers: [Vec<u32>; 2],
-    /// Reach of each of these along a direction, m: see [`SpheresOverPart::find_reaches`].
-    reaches: [Vec<f64>; 2],
+pub(super) struct NearSpheres {
+    pub(super) listed: [Vec<ListedSphere>; 2],
     /// Control points of b's in the unit of lengths.
     points_b: Vec<[DVec3; 4]>,
 }
 
+/// A sphere that may be near the other body in an interval.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ListedSphere {
+    number: u32,
+    /// Reach along a direction, m: see [`SpheresOverPart::find_reaches`].
+    reach: f64,
+}
+
 impl NearSpheres {
     /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
-    fn facing(&self) -> (u32, u32) {
-        let [reaches_a, reaches_b] = &self.reaches;
-        let toward_b = farthest(reaches_a.iter().map(|reach| -reach)) as usize;
-        let toward_a = farthest(reaches_b.iter().copied()) as usize;
-        (self.numbers[0][toward_b], self.numbers[1][toward_a])
+    pub(super) fn facing(&self) -> (u32, u32) {
+        let [a, b] = &self.listed;
+        let toward_b = farthest(a.iter().map(|one| -one.reach)) as usize;
+        let toward_a = farthest(b.iter().map(|one| one.reach)) as usize;
+        (a[toward_b].number, b[toward_a].number)
     }
 
     /// Returns the number of pairs.
-    fn pairs(&self) -> usize {
-        self.numbers[0].len() * self.numbers[1].len()
+    pub(super) fn pairs(&self) -> usize {
+        self.listed[0].len() * self.listed[1].len()
     }
 
     /// Removes the spheres that are farther than `bound` (m) from all of the other body's.
-    fn remove_far(&mut self, bound: f64) {
-        let [reaches_a, reaches_b] = &self.reaches;
-        let nearest = reaches_a.iter().copied().fold(f64::INFINITY, f64::min);
-        let farthest = reaches_b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let is_near = [
-            |reach: f64, (_, farthest): (f64, f64), bound: f64| reach - farthest <= bound,
-            |reach: f64, (nearest, _): (f64, f64), bound: f64| nearest - reach <= bound,
-        ];
-        let lists = self.numbers.iter_mut().zip(&mut self.reaches);
-        for ((numbers, reaches), is_near) in lists.zip(is_near) {
-            let mut kept = 0;
-            for place in 0..numbers.len() {
-                let (number, reach) = (numbers[place], reaches[place]);
-                (numbers[kept], reaches[kept]) = (number, reach);
-                kept += usize::from(is_near(reach, (nearest, farthest), bound));
-            }
-            numbers.truncate(kept);
-            reaches.truncate(kept);
-        }
+    pub(super) fn remove_far(&mut self, bound: f64) {
+        let [a, b] = &mut self.listed;
+        let nearest = a.iter().map(|one| one.reach).fold(f64::INFINITY, f64::min);
+        let farthest = b
+            .iter()
+            .map(|one| one.reach)
+            .fold(f64::NEG_INFINITY, f64::max);
+        retain(a, |one| one.reach - farthest <= bound);
+        retain(b, |one| nearest - one.reach <= bound);
     }
 }
 
+/// Puts one half of a list before the other one, neighbours into the same half, and returns both.
+fn divide(
+    list: &mut [ListedSphere],
+    offset: impl Fn(&ListedSphere) -> DVec3,
+) -> [&[ListedSphere]; 2] {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for one in &*list {
+        let offset = offset(one);
+        (low, high) = (low.min(offset), high.max(offset));
+    }
+    let axis = (high - low).max_position();
+    let half = list.len() / 2;
+    list.select_nth_unstable_by(half, |x, y| offset(x)[axis].total_cmp(&offset(y)[axis]));
+    let (first, second) = list.split_at(half);
+    [first, second]
+}
+
+/// Keeps the members of a list that a test holds for, without a branch: the processor cannot predict it.
+fn retain(list: &mut Vec<ListedSphere>, is_kept: impl Fn(&ListedSphere) -> bool) {
+    let mut kept = 0;
+    for place in 0..list.len() {
+        let one = list[place];
+        list[kept] = one;
+        kept += usize::from(is_kept(&one));
+    }
+    list.truncate(kept);
+}
+
 impl Interval {
+    pub(super) fn is_divisible(&self) -> bool {
+        self.ends.1 - self.ends.0 > 0.5_f64.powi(SpheresOverPart::INTERVAL_HALVINGS)
+    }
+
     fn halves(&self) -> [Self; 2] {
         let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
         let [a, b] = self
             .rotations
             .map(|one| one.map(|rotation| rotation.halves()));
+        let middle = 0.5 * (self.ends.0 + self.ends.1);
+        let ends = [(self.ends.0, middle), (middle, self.ends.1)];
         let over = |half: usize, base| Self {
+            ends: ends[half],
             base,
             rotations: [a, b].map(|halves| halves.map(|halves| halves[half])),
         };
@@ -117,25 +155,35 @@ impl Interval {
         ]
     }
 
-    /// Returns the control points of a sphere's centre relative to its body's position, m.
-    #[inline]
-    fn way(&self, body: usize, sphere: &Sphere) -> [DVec3; 4] {
-        match &self.rotations[body] {
-            Some(rotation) => rotation.way(sphere.offset),
-            None => [sphere.offset; 4],
+    /// Returns both halves, the one in which the bodies are nearer first.
+    pub(super) fn nearer_first(&self) -> [Self; 2] {
+        let [first, second] = self.halves();
+        let square = |half: &Self| half.middle().length_squared();
+        if square(&second) < square(&first) {
+            [second, first]
+        } else {
+            [first, second]
         }
     }
 
-    /// Returns a direction in which body a lies from body b: a unit vector, up to rounding, or zero.
-    fn direction(&self) -> DVec3 {
-        let [p0, p1, p2, p3] = self.base;
-        let sum = (p0 + p3) + (p1 + p2);
-        let length = norm(sum);
-        if length > f64::MIN_POSITIVE {
-            sum / length
-        } else {
-            DVec3::ZERO
+    /// Returns the control points of a sphere's centre relative to its body's position, m.
+    #[inline]
+    fn way(&self, body: usize, sphere: &Sphere) -> [DVec3; 4] {
+        self.way_of(body, sphere.offset)
+    }
+
+    #[inline]
+    fn way_of(&self, body: usize, offset: DVec3) -> [DVec3; 4] {
+        match &self.rotations[body] {
+            Some(rotation) => rotation.way(offset),
+            None => [offset; 4],
         }
+    }
+
+    /// Returns four times the mean of the control points of the bodies' relative position, m.
+    fn middle(&self) -> DVec3 {
+        let [p0, p1, p2, p3] = self.base;
+        (p0 + p3) + (p1 + p2)
     }
 }
 
@@ -144,13 +192,17 @@ impl<'a> SpheresOverPart<'a> {
     /// Less in tests.
     const FULL: usize = if cfg!(test) { 8 } else { 1 << 16 };
     /// Way in sums of radii from which on halving an interval tells enough pairs apart.
-    const LONG: f64 = 2.0;
-    /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 1 and 3, pairs
-    /// of 125 spheres took 1.16 and 1.21 times as long.
-    const INTERVAL_HALVINGS: usize = 2;
+    pub(super) const LONG: f64 = 2.0;
+    /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 3, pairs of 125
+    /// spheres took 0.97 times as long, and 1.01 to 1.34 if they turn.
+    const INTERVAL_HALVINGS: i32 = 2;
+    /// Largest number of times that a part, or the spheres of one body, are halved, and one more.
+    const DEPTH: usize = 12;
+    /// Largest number of pairs of spheres that are looked at one by one in a short interval. Less in tests.
+    pub(super) const CROWDED: usize = if cfg!(test) { 12 } else { 256 };
     /// Largest number of pairs of spheres that are looked at one by one in a part that can be halved. Less in
     /// tests, whose clusters are small.
-    const MANY: usize = if cfg!(test) { 6 } else { 64 };
+    pub(super) const MANY: usize = if cfg!(test) { 6 } else { 64 };
 
     pub(super) fn new(
         views: [&'a BodyView<'a>; 2],
@@ -165,6 +217,7 @@ impl<'a> SpheresOverPart<'a> {
             views,
             accuracy,
             whole: Interval {
+                ends: (0.0, 1.0),
                 base: motion.points(DVec3::ZERO),
                 rotations: rotations.map(|rotation| rotation.copied()),
             },
@@ -198,6 +251,7 @@ impl<'a> SpheresOverPart<'a> {
             near,
             candidates,
             nearest,
+            motions,
             ..
         } = scratch;
         nearest.clear();
@@ -207,6 +261,21 @@ impl<'a> SpheresOverPart<'a> {
         self.find_nearest_over(&self.whole, margin, (first, deeper), lists);
         nearest.sort_unstable();
         nearest.dedup();
+        if nearest.len() > 1 && self.whole.rotations.iter().all(Option::is_none) {
+            motions.clear();
+            nearest.retain(|&spheres| motions.insert(self.motion_of(spheres)));
+        }
+    }
+
+    /// Returns the motion of two spheres: offset and radii if neither body turns, else their numbers.
+    pub(super) fn motion_of(&self, (a, b): (u32, u32)) -> Motion {
+        if self.whole.rotations.iter().any(Option::is_some) {
+            return [a.into(), b.into(), 0, 0, 0];
+        }
+        let (a, b) = (self.sphere(0, a), self.sphere(1, b));
+        // Of two zeros, one.
+        let [x, y, z] = (a.offset - b.offset + DVec3::ZERO).to_array();
+        [x, y, z, a.radius, b.radius].map(f64::to_bits)
     }
 
     /// Appends the pairs of listed spheres that may come within `margin` (m) in an interval and be the nearest ones
@@ -219,9 +288,7 @@ impl<'a> SpheresOverPart<'a> {
         (candidates, nearest): (&mut Vec<SphereCandidate>, &mut Vec<(u32, u32)>),
     ) {
         self.find_reaches(interval, near);
-        // One is farther by the errors of its centres, the other one is nearer by its own. A window may begin
-        // between an instant and what that is rounded to.
-        let slack = 2.0 * (rejection_threshold(0.0, self.scale) + self.blur() + self.error);
+        let slack = self.slack();
         let (mut within, mut is_long) = (margin, false);
         if near.pairs() > Self::MANY {
             let (most, way) = self.most_and_way(interval, near.facing());
@@ -229,16 +296,15 @@ impl<'a> SpheresOverPart<'a> {
             within = within.min(most + slack);
             is_long = way > Self::LONG;
         }
-        let bound = rejection_threshold(within, self.scale + within.abs());
+        let bound = self.threshold(within);
         near.remove_far(bound);
         if is_long
+            && interval.is_divisible()
             && near.pairs() > Self::MANY
             && let [next, deeper @ ..] = deeper
         {
             for half in interval.halves() {
-                for (numbers, all) in next.numbers.iter_mut().zip(&near.numbers) {
-                    numbers.clone_from(all);
-                }
+                next.listed.clone_from(&near.listed);
                 let lists = (&mut *candidates, &mut *nearest);
                 self.find_nearest_over(&half, margin, (next, deeper), lists);
             }
@@ -247,26 +313,53 @@ impl<'a> SpheresOverPart<'a> {
         let slack = slack * normalising_power(self.scale);
         candidates.clear();
         let mut room = Self::FULL;
-        self.each_candidate(interval, (within, bound), near, |candidate| {
+        let mut list = |candidate| {
             if candidates.len() == room {
                 remove_behind(candidates, 0, slack);
                 room = Self::FULL.max(2 * candidates.len());
             }
             candidates.push(candidate);
-        });
+        };
+        self.each_candidate_in_halves(interval, (within, bound), (near, deeper), &mut list);
         find_nearest(candidates, 0, slack, HALVINGS, nearest);
     }
 
-    fn list_all(&self, near: &mut NearSpheres) {
-        for (numbers, view) in near.numbers.iter_mut().zip(self.views) {
-            numbers.clear();
-            numbers.extend((0..).zip(view.spheres).map(|(number, _)| number));
+    /// Copies a list twice, each time with one half of the spheres of the body that has more, and calls `visit` with
+    /// either. Halves are neighbours.
+    pub(super) fn each_half(
+        &self,
+        near: &mut NearSpheres,
+        half: &mut NearSpheres,
+        mut visit: impl FnMut(&mut NearSpheres),
+    ) {
+        let body = usize::from(near.listed[1].len() > near.listed[0].len());
+        let offset = |one: &ListedSphere| self.sphere(body, one.number).offset;
+        let (listed, other) = if body == 0 {
+            let [listed, other] = &mut near.listed;
+            (listed, other)
+        } else {
+            let [other, listed] = &mut near.listed;
+            (listed, other)
+        };
+        for members in divide(listed, offset) {
+            half.listed[body].clear();
+            half.listed[body].extend_from_slice(members);
+            half.listed[1 - body].clone_from(other);
+            visit(half);
+        }
+    }
+
+    pub(super) fn list_all(&self, near: &mut NearSpheres) {
+        for (listed, view) in near.listed.iter_mut().zip(self.views) {
+            listed.clear();
+            let numbers = (0..).zip(view.spheres).map(|(number, _)| number);
+            listed.extend(numbers.map(|number| ListedSphere { number, reach: 0.0 }));
         }
     }
 
     /// Returns a bound of the separation of two spheres in an interval, without the errors of their centres (m), and
     /// how far one goes relative to the other, in sums of their radii.
-    fn most_and_way(&self, interval: &Interval, (a, b): (u32, u32)) -> (f64, f64) {
+    pub(super) fn most_and_way(&self, interval: &Interval, (a, b): (u32, u32)) -> (f64, f64) {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
         let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
         let points = [0, 1, 2, 3].map(|place| interval.base[place] + (p[place] - q[place]));
@@ -274,6 +367,18 @@ impl<'a> SpheresOverPart<'a> {
         let way: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
         let radii = sphere_a.radius + sphere_b.radius;
         (farthest - radii, way / radii)
+    }
+
+    /// Returns a separation along a direction beyond which two spheres are certainly farther apart than `bound`, m.
+    pub(super) fn threshold(&self, bound: f64) -> f64 {
+        rejection_threshold(bound, self.scale + bound.abs())
+    }
+
+    /// Returns the difference of separations below which it is not certain which pair of spheres is nearer, m.
+    pub(super) fn slack(&self) -> f64 {
+        // One is farther by the errors of its centres, the other one is nearer by its own. A window may begin
+        // between an instant and what that is rounded to.
+        2.0 * (rejection_threshold(0.0, self.scale) + self.blur() + self.error)
     }
 
     /// Returns a bound on the motion of two centres between an instant and its rounded value, m; or infinity.
@@ -286,58 +391,32 @@ impl<'a> SpheresOverPart<'a> {
         self.motion.blur() + turning(0) + turning(1)
     }
 
-    /// Solves the pairs of spheres that may come nearer than `reached` (m); `solve` returns the new
-    /// value of `reached`. Returns the last one.
-    pub(super) fn each_for_nearest(
+    /// Calls `visit` with candidates as [`each_candidate`](Self::each_candidate) does. If they are many, reaches in
+    /// directions of their own tell apart those of halves.
+    fn each_candidate_in_halves(
         &self,
-        mut reached: f64,
-        scratch: &mut PartScratch,
-        mut solve: impl FnMut(&SpherePair) -> f64,
-    ) -> f64 {
-        let PartScratch { near, bounds, .. } = scratch;
-        let near = &mut near[0];
-        self.list_all(near);
-        self.find_reaches(&self.whole, near);
-        // Compared with one of the nearest pairs of spheres, few others are near.
-        let facing = reached.is_infinite().then(|| near.facing());
-        if let Some(pair) = facing {
-            reached = reached.min(solve(&self.pair(pair)));
+        interval: &Interval,
+        (margin, bound): (f64, f64),
+        (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
+        visit: &mut impl FnMut(SphereCandidate),
+    ) {
+        let [next, deeper @ ..] = deeper else {
+            return self.each_candidate(interval, (margin, bound), near, visit);
+        };
+        if near.pairs() <= Self::CROWDED {
+            return self.each_candidate(interval, (margin, bound), near, visit);
         }
-        bounds.clear();
-        if self.views[0].model_error_with(self.views[1]) > 0.0 {
-            // Within it hardly a pair that is solved rules out others.
-            self.find_nearest(reached, scratch);
-            let nearest = scratch.nearest.iter();
-            let unbounded = nearest.map(|&spheres| (f64::NEG_INFINITY, spheres));
-            scratch.bounds.extend(unbounded);
-        } else {
-            // Infinite, or a distance.
-            let bound = rejection_threshold(reached, self.scale + reached.abs());
-            near.remove_far(bound);
-            self.each_candidate(&self.whole, (reached, bound), near, |candidate| {
-                let least = candidate.lowest.sqrt() - candidate.radii;
-                bounds.push((least, candidate.spheres));
-            });
-        }
-        let bounds = &scratch.bounds;
-        let power = normalising_power(self.scale);
-        let first = bounds.iter().min_by(|x, y| x.0.total_cmp(&y.0));
-        let (first, mut solved) = (first.into_iter(), [facing, None]);
-        for &(least, pair) in first.chain(bounds) {
-            let near = rejection_threshold(reached, self.scale + reached.abs()) + self.error;
-            if least > near * power || solved.contains(&Some(pair)) {
-                continue;
-            }
-            solved[1] = solved[1].or(Some(pair));
-            reached = reached.min(solve(&self.pair(pair)));
-        }
-        reached
+        self.each_half(near, next, |half| {
+            self.find_reaches(interval, half);
+            half.remove_far(bound);
+            self.each_candidate_in_halves(interval, (margin, bound), (half, deeper), visit);
+        });
     }
 
     /// Calls `visit` with the pairs of listed spheres that cheap tests cannot rule out to come within `margin` in an
     /// interval, in the order of their numbers. Their reaches tell those apart that are farther than `bound` (m).
     #[inline(always)]
-    fn each_candidate(
+    pub(super) fn each_candidate(
         &self,
         interval: &Interval,
         (margin, bound): (f64, f64),
@@ -345,19 +424,18 @@ impl<'a> SpheresOverPart<'a> {
         mut visit: impl FnMut(SphereCandidate),
     ) {
         let NearSpheres {
-            numbers: [numbers_a, numbers_b],
-            reaches: [reaches_a, reaches_b],
+            listed: [listed_a, listed_b],
             points_b,
         } = near;
         let power = normalising_power(self.scale);
         points_b.clear();
-        points_b.extend(numbers_b.iter().map(|&number| {
-            let [p0, p1, p2, p3] = interval.way(1, self.sphere(1, number));
+        points_b.extend(listed_b.iter().map(|one| {
+            let [p0, p1, p2, p3] = interval.way(1, self.sphere(1, one.number));
             [p0 * power, p1 * power, p2 * power, p3 * power]
         }));
         let [b0, b1, b2, b3] = interval.base;
-        for (&number_a, least) in numbers_a.iter().zip(&*reaches_a) {
-            let sphere_a = self.sphere(0, number_a);
+        for one in listed_a {
+            let sphere_a = self.sphere(0, one.number);
             let [p0, p1, p2, p3] = interval.way(0, sphere_a);
             let [p0, p1, p2, p3] = [
                 (b0 + p0) * power,
@@ -365,12 +443,11 @@ impl<'a> SpheresOverPart<'a> {
                 (b2 + p2) * power,
                 (b3 + p3) * power,
             ];
-            let others = numbers_b.iter().zip(&*reaches_b).zip(&*points_b);
-            for ((&number_b, most), &[q0, q1, q2, q3]) in others {
-                if least - most > bound {
+            for (other, &[q0, q1, q2, q3]) in listed_b.iter().zip(&*points_b) {
+                if one.reach - other.reach > bound {
                     continue;
                 }
-                let radius_b = self.sphere(1, number_b).radius;
+                let radius_b = self.sphere(1, other.number).radius;
                 let radius = if margin < f64::INFINITY {
                     contact_radius(sphere_a.radius, radius_b, margin) + self.error
                 } else {
@@ -386,7 +463,7 @@ impl<'a> SpheresOverPart<'a> {
                 let threshold = rejection_threshold(radius, self.scale) * power;
                 if lowest <= threshold * threshold {
                     visit(SphereCandidate {
-                        spheres: (number_a, number_b),
+                        spheres: (one.number, other.number),
                         heights,
                         lowest: lowest.max(0.0),
                         rounding: rounding_of_heights(&points),
@@ -397,11 +474,31 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
-    /// Finds how far each listed sphere reaches in an interval along the direction from body b to body a, m: those
+    /// Returns the direction from b's listed spheres to a's: a unit vector, up to rounding, or zero.
+    fn direction(&self, interval: &Interval, near: &NearSpheres) -> DVec3 {
+        let middle = |body: usize| {
+            let listed = &near.listed[body];
+            let offsets = listed
+                .iter()
+                .map(|one| self.sphere(body, one.number).offset);
+            let [p0, p1, p2, p3] =
+                interval.way_of(body, offsets.sum::<DVec3>() / listed.len() as f64);
+            (p0 + p3) + (p1 + p2)
+        };
+        let sum = interval.middle() + (middle(0) - middle(1));
+        let length = norm(sum);
+        if length > f64::MIN_POSITIVE && length < f64::INFINITY {
+            sum / length
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Finds how far each listed sphere reaches in an interval along the direction from b's to a's, m: those
     /// of a at least, from b's position, and those of b at most. The separation of two spheres is never
     /// below the difference.
-    fn find_reaches(&self, interval: &Interval, near: &mut NearSpheres) {
-        let direction = interval.direction();
+    pub(super) fn find_reaches(&self, interval: &Interval, near: &mut NearSpheres) {
+        let direction = self.direction(interval, near);
         let base = interval.base.map(|point| point.dot(direction));
         let along = |body: usize| {
             let rotation = &interval.rotations[body];
@@ -417,25 +514,19 @@ impl<'a> SpheresOverPart<'a> {
                 m3.dot(offset),
             ]
         };
-        let NearSpheres {
-            numbers: [numbers_a, numbers_b],
-            reaches: [reaches_a, reaches_b],
-            ..
-        } = near;
+        let [listed_a, listed_b] = &mut near.listed;
         let axes = along(0);
-        reaches_a.clear();
-        reaches_a.extend(numbers_a.iter().map(|&number| {
-            let sphere = self.sphere(0, number);
+        for one in listed_a {
+            let sphere = self.sphere(0, one.number);
             let [h0, h1, h2, h3] = places(axes, sphere.offset);
             let heights = [base[0] + h0, base[1] + h1, base[2] + h2, base[3] + h3];
-            least_of(heights) - (sphere.radius + self.error)
-        }));
+            one.reach = least_of(heights) - (sphere.radius + self.error);
+        }
         let axes = along(1).map(|axis| -axis);
-        reaches_b.clear();
-        reaches_b.extend(numbers_b.iter().map(|&number| {
-            let sphere = self.sphere(1, number);
-            sphere.radius - least_of(places(axes, sphere.offset))
-        }));
+        for one in listed_b {
+            let sphere = self.sphere(1, one.number);
+            one.reach = sphere.radius - least_of(places(axes, sphere.offset));
+        }
     }
 
     /// Returns two spheres over the part.

@@ -1,0 +1,125 @@
+//! What solved pairs of spheres prove about two bodies over a part of a span.
+
+use crate::rounding::{earliest_exact, latest_exact};
+use crate::spans::Span;
+use arrayvec::ArrayVec;
+
+/// A contact of a solved pair of spheres: the bodies are within the margin from `enter` to `exit`
+/// (s), with a least separation of at most `separation` (m).
+#[derive(Clone, Copy, Debug)]
+pub(in crate::narrow_phase) struct ProvenContact {
+    pub(in crate::narrow_phase) enter: f64,
+    pub(in crate::narrow_phase) exit: f64,
+    pub(in crate::narrow_phase) separation: f64,
+}
+
+impl ProvenContact {
+    /// Adds another contact if both overlap or touch; else returns false.
+    fn joins(&mut self, other: &Self) -> bool {
+        let meets = self.enter <= other.exit && other.enter <= self.exit;
+        if meets {
+            self.enter = self.enter.min(other.enter);
+            self.exit = self.exit.max(other.exit);
+            self.separation = self.separation.min(other.separation);
+        }
+        meets
+    }
+}
+
+/// A piece of an interval.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// End, as a share of the interval.
+    pub(super) end: f64,
+    /// Separation that a pair of spheres must reach to matter, m. Below all numbers if none matters.
+    pub(super) bound: f64,
+}
+
+/// The pieces of an interval, in time order.
+pub(super) type Pieces = ArrayVec<Piece, { 2 * ProvenContacts::MAX + 3 }>;
+
+/// The contacts proven so far over a part of a span, for a margin and a window.
+#[derive(Debug)]
+pub(super) struct ProvenContacts {
+    /// Apart from each other, in time order.
+    contacts: ArrayVec<ProvenContact, { Self::MAX }>,
+    part: Span,
+    margin: f64,
+    clip: (f64, f64),
+    /// Difference of separations below which another pair may be the nearest one, m.
+    slack: f64,
+}
+
+impl ProvenContacts {
+    /// Largest number of contacts. What more there are is not known: more pairs are solved then.
+    const MAX: usize = 4;
+    /// Share of the part that is more than the rounding of shares.
+    const SHARE: f64 = 1e-12;
+
+    pub(super) fn new(part: Span, (margin, clip): (f64, (f64, f64)), slack: f64) -> Self {
+        Self {
+            contacts: ArrayVec::new(),
+            part,
+            margin,
+            clip,
+            slack,
+        }
+    }
+
+    /// Adds the contacts of a pair of spheres.
+    pub(super) fn learn(&mut self, found: &[ProvenContact]) {
+        for contact in found {
+            let mut contact = *contact;
+            self.contacts.retain(|known| !contact.joins(known));
+            if !self.contacts.is_full() {
+                let is_before = |known: &&ProvenContact| known.exit < contact.enter;
+                let place = self.contacts.iter().take_while(is_before).count();
+                self.contacts.insert(place, contact);
+            }
+        }
+    }
+
+    /// Appends the pieces of an interval (shares of the part) to an empty list. Reported instants are rounded: another
+    /// pair matters if it is within the margin until shortly after a contact begins, or from shortly before it ends.
+    pub(super) fn list_pieces(&self, (start, end): (f64, f64), pieces: &mut Pieces) {
+        let Span {
+            start: first,
+            end: last,
+            ..
+        } = self.part;
+        let length = last - first;
+        let share = |time: f64, more: f64, otherwise: f64| {
+            if length > 0.0 && length < f64::INFINITY {
+                ((time - first) / length + more - start) / (end - start)
+            } else {
+                otherwise
+            }
+        };
+        let before = |time: f64| share(earliest_exact(time), -Self::SHARE, 0.0);
+        let after = |time: f64| share(latest_exact(time), Self::SHARE, 1.0);
+        let mut push = |end: f64, bound: f64| {
+            let end = end.min(1.0);
+            if end > pieces.last().map_or(0.0, |before| before.end) {
+                pieces.push(Piece { end, bound });
+            }
+        };
+        let (from, to) = (self.clip.0.max(first), self.clip.1.min(last));
+        if from > first {
+            push(before(from), f64::NEG_INFINITY);
+        }
+        let until = if to < last { after(to) } else { 1.0 };
+        for contact in &self.contacts {
+            if contact.enter > from {
+                push(after(contact.enter), self.margin);
+            }
+            let exit = if contact.exit < to {
+                before(contact.exit)
+            } else {
+                until
+            };
+            push(exit, self.margin.min(contact.separation + self.slack));
+        }
+        push(until, self.margin);
+        push(1.0, f64::NEG_INFINITY);
+    }
+}
