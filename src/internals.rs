@@ -46,8 +46,10 @@
 //!    heights*: its Bernstein coefficients. Between *stationary points* the distance is monotonic: its *profile*
 //!    has these and the ends of the span as *nodes*. A *dip* is a minimum that the rounding of the squared
 //!    distance hides; a *plateau* is a distance that is constant to rounding. A *stretch* is an interval of a span
-//!    within a threshold; a *contact* unites stretches over spans and spheres. Bounds of clusters hold up to the
-//!    *slack*, an allowance for rounding.
+//!    within a threshold; a *contact* unites stretches over spans and spheres. Where a body turns, a span is cut into
+//!    *cells*, the *parts* of clusters. A *question* about a part says how near two spheres must come, and in which
+//!    *pieces* of an interval, to matter. Which spheres are nearer is certain beyond the *slack*, an allowance for
+//!    rounding.
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
 //!    heights, and its *leading* coefficient that of x². A part is certainly inside a threshold, certainly
 //!    outside, or undecided.

@@ -27,7 +27,7 @@
 //! | windows of half-spaces | `screen/half_spaces`, `monitor/half_spaces` | `tests/half_space` `guards` |
 //! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 12 |
 //! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
-//! | errors of turning centres, in radii and in enclosures | `narrow_phase/turning` | `tests/half_space` `turning`, `tests/turning` |
+//! | errors of turning centres, in radii and in enclosures | `narrow_phase/clusters` | `tests/half_space` `turning`, `tests/turning` |
 //! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
 //! | rounding of a spin that grows with time | `orientation/arc` | `orientation::tests::what_rounding_hides_is_unknown` |
 //! | rounding of rotations, of their parts, of points, and of what goes on after knots | `orientation` | `orientation::tests::terms` |
@@ -35,11 +35,11 @@
 //! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |
 //! | twice the error in it | `orientation/turning` | proof 13 |
 //! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/clusters` | `clusters::tests` |
-//! | instants of a bounding sphere | `narrow_phase/turning/cells` | proof 14 |
-//! | slack and deviation of the least separation of some | `narrow_phase/clusters/chords` | `clusters::tests` |
+//! | instants of a bounding sphere | `narrow_phase/clusters/cells` | proof 14 |
+//! | heights of pairs of spheres, and of parts of them | `narrow_phase/clusters/candidates` | `clusters::tests`, `candidates::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
-//! | clearance of rejections, and of chords: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
+//! | clearance of rejections: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
 //! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
 //! | squares of heights | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
 //! | tolerance before roots, once | `narrow_phase/stretches` | `stretches::tests` |
@@ -47,9 +47,9 @@
 //! | differences of heights; tolerance of stretches | `narrow_phase/squared_distance`, `stretches` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
-//! | chords: clearance, wherever it is used; parts of clusters | `narrow_phase/clusters` | `clusters::tests` |
+//! | clearance of what pairs must reach, wherever it is used | `narrow_phase/clusters/search` | `clusters::tests` |
 //! | parts of a window | `narrow_phase/clusters` | `clusters::tests::what_instants_are_rounded_by_rules_nothing_out` |
-//! | blurs, gaps, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 8 |
+//! | blurs, pieces between proven contacts, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 8 |
 //! | passing lines: differences, products, range | `narrow_phase/approach` | `approach::tests::grazing_passes*` |
 //! | shares of a slice; instants | `narrow_phase/approach` | `approach::tests::{passes_that_touch*, intervals_between_instants*}` |
 //! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |

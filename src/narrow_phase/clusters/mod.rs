@@ -8,7 +8,7 @@
 //! - A screening solves those first that are probably the nearest ones. What these prove tells how near another
 //!   pair must come, and when, to matter (`search`).
 //! - A monitor does not know window and margin yet. It needs all pairs that are the nearest ones at some time
-//!   (`candidates`).
+//!   (`nearest`).
 //!
 //! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the reported values have the
 //! same bits as if every pair was solved.
@@ -19,6 +19,8 @@
 mod candidates;
 mod cells;
 mod half_space;
+mod near;
+mod nearest;
 mod part;
 mod proven;
 mod search;

@@ -1,15 +1,11 @@
 //! All spheres of two bodies over a part of a span, each on a cubic.
 //!
-//! Most pairs of spheres that come within the margin are never the nearest ones, and need not be
-//! solved: all the time, another pair is nearer by more than the solver's rounding. What
-//! remains suffices for contacts within any margin, and for the closest approach, in any window.
-//!
 //! A part with many pairs is halved, and its halves are halved again: in a short time, distances of spheres along one
-//! direction tell most pairs apart. Each pair is solved over the whole part.
+//! direction tell most pairs apart. Then the spheres of a body are halved: those at either side have another such
+//! direction. Each pair is solved over the whole part.
 
-use super::candidates::{
-    HALVINGS, SphereCandidate, find_nearest, remove_behind, rounding_of_heights,
-};
+use super::candidates::{SphereCandidate, rounding_of_heights};
+use super::near::{ListedSphere, NearSpheres, divide};
 use crate::accuracy::Accuracy;
 use crate::blossom::restrict;
 use crate::enclosure::squared_distance;
@@ -17,7 +13,7 @@ use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
-use crate::narrow_phase::sphere_pair::{SpherePair, farthest};
+use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
@@ -51,93 +47,22 @@ pub(super) struct PartScratch {
     pub(super) near: [NearSpheres; SpheresOverPart::DEPTH],
     pub(super) candidates: Vec<SphereCandidate>,
     /// Pairs of spheres that may be the nearest ones at some time.
-    nearest: Vec<(u32, u32)>,
+    pub(super) nearest: Vec<(u32, u32)>,
     /// Pairs of spheres that are solved.
     pub(super) solved: Vec<(Motion, (u32, u32))>,
     /// Motions of the pairs in `nearest`.
-    motions: HashSet<Motion>,
+    pub(super) motions: HashSet<Motion>,
 }
 
 /// Bits that tell motions of pairs of spheres apart: those alike have the same distance all the time.
 pub(super) type Motion = [u64; 5];
-
-/// The spheres of two bodies that may be near the other body in an interval.
-#[derive(Debug, Default)]
-pub(super) struct NearSpheres {
-    pub(super) listed: [Vec<ListedSphere>; 2],
-    /// Control points of b's in the unit of lengths.
-    points_b: Vec<[DVec3; 4]>,
-}
-
-/// A sphere that may be near the other body in an interval.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ListedSphere {
-    number: u32,
-    /// Reach along a direction, m: see [`SpheresOverPart::find_reaches`].
-    reach: f64,
-}
-
-impl NearSpheres {
-    /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
-    pub(super) fn facing(&self) -> (u32, u32) {
-        let [a, b] = &self.listed;
-        let toward_b = farthest(a.iter().map(|one| -one.reach)) as usize;
-        let toward_a = farthest(b.iter().map(|one| one.reach)) as usize;
-        (a[toward_b].number, b[toward_a].number)
-    }
-
-    /// Returns the number of pairs.
-    pub(super) fn pairs(&self) -> usize {
-        self.listed[0].len() * self.listed[1].len()
-    }
-
-    /// Removes the spheres that are farther than `bound` (m) from all of the other body's.
-    pub(super) fn remove_far(&mut self, bound: f64) {
-        let [a, b] = &mut self.listed;
-        let nearest = a.iter().map(|one| one.reach).fold(f64::INFINITY, f64::min);
-        let farthest = b
-            .iter()
-            .map(|one| one.reach)
-            .fold(f64::NEG_INFINITY, f64::max);
-        retain(a, |one| one.reach - farthest <= bound);
-        retain(b, |one| nearest - one.reach <= bound);
-    }
-}
-
-/// Puts one half of a list before the other one, neighbours into the same half, and returns both.
-fn divide(
-    list: &mut [ListedSphere],
-    offset: impl Fn(&ListedSphere) -> DVec3,
-) -> [&[ListedSphere]; 2] {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for one in &*list {
-        let offset = offset(one);
-        (low, high) = (low.min(offset), high.max(offset));
-    }
-    let axis = (high - low).max_position();
-    let half = list.len() / 2;
-    list.select_nth_unstable_by(half, |x, y| offset(x)[axis].total_cmp(&offset(y)[axis]));
-    let (first, second) = list.split_at(half);
-    [first, second]
-}
-
-/// Keeps the members of a list that a test holds for, without a branch: the processor cannot predict it.
-fn retain(list: &mut Vec<ListedSphere>, is_kept: impl Fn(&ListedSphere) -> bool) {
-    let mut kept = 0;
-    for place in 0..list.len() {
-        let one = list[place];
-        list[kept] = one;
-        kept += usize::from(is_kept(&one));
-    }
-    list.truncate(kept);
-}
 
 impl Interval {
     pub(super) fn is_divisible(&self) -> bool {
         self.ends.1 - self.ends.0 > 0.5_f64.powi(SpheresOverPart::INTERVAL_HALVINGS)
     }
 
-    fn halves(&self) -> [Self; 2] {
+    pub(super) fn halves(&self) -> [Self; 2] {
         let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
         let [a, b] = self
             .rotations
@@ -188,9 +113,6 @@ impl Interval {
 }
 
 impl<'a> SpheresOverPart<'a> {
-    /// Number of candidates from which on those that are always farther than others are removed before more are listed.
-    /// Less in tests.
-    const FULL: usize = if cfg!(test) { 8 } else { 1 << 16 };
     /// Way in sums of radii from which on halving an interval tells enough pairs apart.
     pub(super) const LONG: f64 = 2.0;
     /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 3, pairs of 125
@@ -231,42 +153,6 @@ impl<'a> SpheresOverPart<'a> {
         &self.views[body].spheres[number as usize]
     }
 
-    /// Calls `visit` with each pair of spheres that may come within `margin` and be the nearest one
-    /// then, in the order of their numbers.
-    pub(super) fn each_within(
-        &self,
-        margin: f64,
-        scratch: &mut PartScratch,
-        mut visit: impl FnMut(&SpherePair),
-    ) {
-        self.find_nearest(margin, scratch);
-        for &spheres in &scratch.nearest {
-            visit(&self.pair(spheres));
-        }
-    }
-
-    /// Lists the pairs of spheres that may come within `margin` (m) and be the nearest ones then, sorted, each once.
-    fn find_nearest(&self, margin: f64, scratch: &mut PartScratch) {
-        let PartScratch {
-            near,
-            candidates,
-            nearest,
-            motions,
-            ..
-        } = scratch;
-        nearest.clear();
-        let [first, deeper @ ..] = near;
-        self.list_all(first);
-        let lists = (candidates, &mut *nearest);
-        self.find_nearest_over(&self.whole, margin, (first, deeper), lists);
-        nearest.sort_unstable();
-        nearest.dedup();
-        if nearest.len() > 1 && self.whole.rotations.iter().all(Option::is_none) {
-            motions.clear();
-            nearest.retain(|&spheres| motions.insert(self.motion_of(spheres)));
-        }
-    }
-
     /// Returns the motion of two spheres: offset and radii if neither body turns, else their numbers.
     pub(super) fn motion_of(&self, (a, b): (u32, u32)) -> Motion {
         if self.whole.rotations.iter().any(Option::is_some) {
@@ -276,52 +162,6 @@ impl<'a> SpheresOverPart<'a> {
         // Of two zeros, one.
         let [x, y, z] = (a.offset - b.offset + DVec3::ZERO).to_array();
         [x, y, z, a.radius, b.radius].map(f64::to_bits)
-    }
-
-    /// Appends the pairs of listed spheres that may come within `margin` (m) in an interval and be the nearest ones
-    /// then, some several times.
-    fn find_nearest_over(
-        &self,
-        interval: &Interval,
-        margin: f64,
-        (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
-        (candidates, nearest): (&mut Vec<SphereCandidate>, &mut Vec<(u32, u32)>),
-    ) {
-        self.find_reaches(interval, near);
-        let slack = self.slack();
-        let (mut within, mut is_long) = (margin, false);
-        if near.pairs() > Self::MANY {
-            let (most, way) = self.most_and_way(interval, near.facing());
-            // Pairs that are always farther are not the nearest ones.
-            within = within.min(most + slack);
-            is_long = way > Self::LONG;
-        }
-        let bound = self.threshold(within);
-        near.remove_far(bound);
-        if is_long
-            && interval.is_divisible()
-            && near.pairs() > Self::MANY
-            && let [next, deeper @ ..] = deeper
-        {
-            for half in interval.halves() {
-                next.listed.clone_from(&near.listed);
-                let lists = (&mut *candidates, &mut *nearest);
-                self.find_nearest_over(&half, margin, (next, deeper), lists);
-            }
-            return;
-        }
-        let slack = slack * normalising_power(self.scale);
-        candidates.clear();
-        let mut room = Self::FULL;
-        let mut list = |candidate| {
-            if candidates.len() == room {
-                remove_behind(candidates, 0, slack);
-                room = Self::FULL.max(2 * candidates.len());
-            }
-            candidates.push(candidate);
-        };
-        self.each_candidate_in_halves(interval, (within, bound), (near, deeper), &mut list);
-        find_nearest(candidates, 0, slack, HALVINGS, nearest);
     }
 
     /// Copies a list twice, each time with one half of the spheres of the body that has more, and calls `visit` with
@@ -389,28 +229,6 @@ impl<'a> SpheresOverPart<'a> {
             rotation.map_or(0.0, |one| one.blur_within(reach))
         };
         self.motion.blur() + turning(0) + turning(1)
-    }
-
-    /// Calls `visit` with candidates as [`each_candidate`](Self::each_candidate) does. If they are many, reaches in
-    /// directions of their own tell apart those of halves.
-    fn each_candidate_in_halves(
-        &self,
-        interval: &Interval,
-        (margin, bound): (f64, f64),
-        (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
-        visit: &mut impl FnMut(SphereCandidate),
-    ) {
-        let [next, deeper @ ..] = deeper else {
-            return self.each_candidate(interval, (margin, bound), near, visit);
-        };
-        if near.pairs() <= Self::CROWDED {
-            return self.each_candidate(interval, (margin, bound), near, visit);
-        }
-        self.each_half(near, next, |half| {
-            self.find_reaches(interval, half);
-            half.remove_far(bound);
-            self.each_candidate_in_halves(interval, (margin, bound), (half, deeper), visit);
-        });
     }
 
     /// Calls `visit` with the pairs of listed spheres that cheap tests cannot rule out to come within `margin` in an
@@ -539,7 +357,7 @@ impl<'a> SpheresOverPart<'a> {
         let (radius_a, error_a) = radius_and_error(0, sphere_a);
         let (radius_b, error_b) = radius_and_error(1, sphere_b);
         let cubic = if self.whole.rotations.iter().all(Option::is_none) {
-            // With the bits of a screening, which finds the nearest pairs of fixed clusters in another way.
+            // Without the rounding of ways.
             self.motion.of_spheres(sphere_a.offset - sphere_b.offset)
         } else {
             let [p0, p1, p2, p3] = self.whole.way(0, sphere_a);

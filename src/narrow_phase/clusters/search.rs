@@ -5,7 +5,8 @@
 //! Each pair is solved over the whole part.
 
 use super::candidates::{SphereCandidate, remove_behind};
-use super::part::{Interval, Motion, NearSpheres, PartScratch, SpheresOverPart};
+use super::near::NearSpheres;
+use super::part::{Interval, Motion, PartScratch, SpheresOverPart};
 use super::proven::{Piece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::rounding::normalising_power;

@@ -44,9 +44,9 @@ fn rods_and_next_to_no_motion() {
 }
 
 /// A sphere flies out and back: between two others it is nearest to the farther one in the middle, where
-/// no chord shows that.
+/// the ends of its way do not show that.
 #[test]
-fn nearest_where_chords_are_not() {
+fn nearest_between_the_ends_of_a_way() {
     let cluster = |places: Vec<DVec3>| {
         let radius = 1.0;
         let spheres = places.into_iter().map(|offset| Sphere { offset, radius });

@@ -1,0 +1,120 @@
+//! Search for the pairs of spheres that are the nearest ones at some time.
+//!
+//! All the time another pair may be nearer by more than the solver's rounding: such pairs are left out. What
+//! remains suffices for contacts within any margin, and for the closest approach, in any window.
+
+use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
+use super::near::NearSpheres;
+use super::part::{Interval, PartScratch, SpheresOverPart};
+use crate::narrow_phase::sphere_pair::SpherePair;
+use crate::rounding::normalising_power;
+
+impl SpheresOverPart<'_> {
+    /// Number of candidates from which on those that are always farther than others are removed before more are listed.
+    /// Less in tests.
+    const FULL: usize = if cfg!(test) { 8 } else { 1 << 16 };
+
+    /// Calls `visit` with each pair of spheres that may come within `margin` and be the nearest one
+    /// then, in the order of their numbers.
+    pub(super) fn each_within(
+        &self,
+        margin: f64,
+        scratch: &mut PartScratch,
+        mut visit: impl FnMut(&SpherePair),
+    ) {
+        self.find_nearest(margin, scratch);
+        for &spheres in &scratch.nearest {
+            visit(&self.pair(spheres));
+        }
+    }
+
+    /// Lists the pairs of spheres that may come within `margin` (m) and be the nearest ones then, sorted, each once.
+    fn find_nearest(&self, margin: f64, scratch: &mut PartScratch) {
+        let PartScratch {
+            near,
+            candidates,
+            nearest,
+            motions,
+            ..
+        } = scratch;
+        nearest.clear();
+        let [first, deeper @ ..] = near;
+        self.list_all(first);
+        let lists = (candidates, &mut *nearest);
+        self.find_nearest_over(&self.whole, margin, (first, deeper), lists);
+        nearest.sort_unstable();
+        nearest.dedup();
+        if nearest.len() > 1 && self.whole.rotations.iter().all(Option::is_none) {
+            motions.clear();
+            nearest.retain(|&spheres| motions.insert(self.motion_of(spheres)));
+        }
+    }
+
+    /// Appends the pairs of listed spheres that may come within `margin` (m) in an interval and be the nearest ones
+    /// then, some several times.
+    fn find_nearest_over(
+        &self,
+        interval: &Interval,
+        margin: f64,
+        (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
+        (candidates, nearest): (&mut Vec<SphereCandidate>, &mut Vec<(u32, u32)>),
+    ) {
+        self.find_reaches(interval, near);
+        let slack = self.slack();
+        let (mut within, mut is_long) = (margin, false);
+        if near.pairs() > Self::MANY {
+            let (most, way) = self.most_and_way(interval, near.facing());
+            // Pairs that are always farther are not the nearest ones.
+            within = within.min(most + slack);
+            is_long = way > Self::LONG;
+        }
+        let bound = self.threshold(within);
+        near.remove_far(bound);
+        if is_long
+            && interval.is_divisible()
+            && near.pairs() > Self::MANY
+            && let [next, deeper @ ..] = deeper
+        {
+            for half in interval.halves() {
+                next.listed.clone_from(&near.listed);
+                let lists = (&mut *candidates, &mut *nearest);
+                self.find_nearest_over(&half, margin, (next, deeper), lists);
+            }
+            return;
+        }
+        let slack = slack * normalising_power(self.scale);
+        candidates.clear();
+        let mut room = Self::FULL;
+        let mut list = |candidate| {
+            if candidates.len() == room {
+                remove_behind(candidates, 0, slack);
+                room = Self::FULL.max(2 * candidates.len());
+            }
+            candidates.push(candidate);
+        };
+        self.each_candidate_in_halves(interval, (within, bound), (near, deeper), &mut list);
+        find_nearest(candidates, 0, slack, HALVINGS, nearest);
+    }
+
+    /// Calls `visit` with candidates as [`each_candidate`](Self::each_candidate) does. If they are many, reaches in
+    /// directions of their own tell apart those of halves.
+    fn each_candidate_in_halves(
+        &self,
+        interval: &Interval,
+        (margin, bound): (f64, f64),
+        (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
+        visit: &mut impl FnMut(SphereCandidate),
+    ) {
+        let [next, deeper @ ..] = deeper else {
+            return self.each_candidate(interval, (margin, bound), near, visit);
+        };
+        if near.pairs() <= Self::CROWDED {
+            return self.each_candidate(interval, (margin, bound), near, visit);
+        }
+        self.each_half(near, next, |half| {
+            self.find_reaches(interval, half);
+            half.remove_far(bound);
+            self.each_candidate_in_halves(interval, (margin, bound), (half, deeper), visit);
+        });
+    }
+}
