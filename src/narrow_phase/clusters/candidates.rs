@@ -1,6 +1,7 @@
 //! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
 
 use super::proven::Piece;
+use crate::enclosure::squared_distance;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
 use crate::rounding::UNIT_ROUNDOFF;
 use glam::DVec3;
@@ -15,8 +16,8 @@ pub(super) struct SphereCandidate {
     pub(super) spheres: (u32, u32),
     /// Control heights of the squared distance, in the square of the unit of lengths.
     pub(super) heights: [f64; 7],
-    /// Least height, at least 0.
-    pub(super) lowest: f64,
+    /// Lower bound of the distance, at least 0, in the unit of lengths.
+    pub(super) distance: f64,
     /// Bound of the heights' rounding.
     pub(super) rounding: f64,
     /// Sum of the radii, in the unit of lengths.
@@ -24,6 +25,24 @@ pub(super) struct SphereCandidate {
 }
 
 impl SphereCandidate {
+    /// Returns two spheres with this sum of radii; `points` are the control points of their relative position, and
+    /// `distance` is a lower bound of its length, in the unit of lengths.
+    #[inline]
+    pub(super) fn new(spheres: (u32, u32), points: &[DVec3; 4], radii: f64, distance: f64) -> Self {
+        let heights = squared_distance(points);
+        let mut lowest = f64::INFINITY;
+        for height in heights {
+            lowest = if height < lowest { height } else { lowest };
+        }
+        Self {
+            spheres,
+            heights,
+            distance: lowest.max(0.0).sqrt().max(distance),
+            rounding: rounding_of_heights(points),
+            radii,
+        }
+    }
+
     /// Returns the two spheres over both halves of the interval.
     fn halves(&self) -> [Self; 2] {
         halves(&self.heights).map(|heights| Self { heights, ..*self })
@@ -31,7 +50,7 @@ impl SphereCandidate {
 
     /// Returns a lower bound of the separation, in the unit of lengths.
     pub(super) fn least(&self) -> f64 {
-        self.lowest.sqrt() - self.radii
+        self.distance - self.radii
     }
 
     /// Returns true if the spheres may come as near as they must in a piece of the interval, to matter there. `within` turns
@@ -185,7 +204,6 @@ pub(super) fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::enclosure::squared_distance;
     use crate::narrow_phase::relative::rejection_threshold;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -194,13 +212,7 @@ mod tests {
     /// farther, whatever the rounding of heights.
     #[test]
     fn spheres_that_meet_between_two_halves_are_not_behind() {
-        let candidate = |points: [DVec3; 4]| SphereCandidate {
-            spheres: (0, 0),
-            heights: squared_distance(&points),
-            lowest: 0.0,
-            rounding: rounding_of_heights(&points),
-            radii: 0.5,
-        };
+        let candidate = |points: [DVec3; 4]| SphereCandidate::new((0, 0), &points, 0.5, 0.0);
         let near = candidate([DVec3::new(0.0, 1e-10, 0.0); 4]);
         let slack = rejection_threshold(0.0, 1.0);
         let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -43,14 +43,20 @@ pub(super) fn nearest_first<'a>(
     mut visit: impl FnMut(&Cell),
 ) {
     let mut cells = cells.filter_map(|cell| distance(&cell).map(|distance| (distance, cell)));
-    loop {
-        let mut order: Vec<(f64, Cell)> = Vec::with_capacity(Cells::USUAL);
-        order.extend(cells.by_ref().take(Cells::BLOCK));
-        if order.is_empty() {
-            return;
-        }
+    let Some(first) = cells.next() else {
+        return;
+    };
+    let Some(second) = cells.next() else {
+        // Most bodies do not turn.
+        return visit(&first.1);
+    };
+    let mut order: Vec<(f64, Cell)> = Vec::with_capacity(Cells::USUAL);
+    order.extend([first, second]);
+    while !order.is_empty() {
+        order.extend(cells.by_ref().take(Cells::BLOCK - order.len()));
         order.sort_by(|x, y| x.0.total_cmp(&y.0));
-        order.iter().for_each(|(_, cell)| visit(cell));
+        order.drain(..).for_each(|(_, cell)| visit(&cell));
+        order.extend(cells.next());
     }
 }
 

@@ -146,7 +146,13 @@ impl<'a> ClusterPair<'a> {
                 return;
             };
             let solve = |pair: &SpherePair| solve(pair, cell.span);
-            let mut question = ClosestQuestion { reached, solve };
+            let is_whole = clip.0 <= cell.span.start && cell.span.end <= clip.1;
+            let mut question = ClosestQuestion {
+                reached,
+                is_whole,
+                model_error: self.a.model_error_with(self.b),
+                solve,
+            };
             part.search(&mut question, &mut scratch);
             reached = question.reached;
         });

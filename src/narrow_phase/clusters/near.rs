@@ -7,8 +7,8 @@ use glam::DVec3;
 #[derive(Debug, Default)]
 pub(super) struct NearSpheres {
     pub(super) listed: [Vec<ListedSphere>; 2],
-    /// Control points of b's in the unit of lengths.
-    pub(super) points_b: Vec<[DVec3; 4]>,
+    /// Ways of b's.
+    pub(super) ways_b: Vec<Way>,
 }
 
 /// A sphere that may be near the other body in an interval.
@@ -17,6 +17,70 @@ pub(super) struct ListedSphere {
     pub(super) number: u32,
     /// Reach along a direction, m: see [`SpheresOverPart::find_reaches`](super::part::SpheresOverPart::find_reaches).
     pub(super) reach: f64,
+}
+
+/// The way of a sphere's centre in an interval, in the unit of lengths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    points: [DVec3; 4],
+    /// From the first point to the last one.
+    chord: DVec3,
+    /// Bound of the way's deviation from the chord, gone along evenly.
+    deviation: f64,
+    /// Radius of the sphere.
+    radius: f64,
+}
+
+impl Way {
+    #[inline]
+    pub(super) fn new(points: [DVec3; 4], radius: f64) -> Self {
+        Self {
+            points,
+            chord: points[3] - points[0],
+            deviation: deviation(&points),
+            radius,
+        }
+    }
+
+    /// Returns the control points relative to those of another way.
+    #[inline]
+    pub(super) fn relative_to(&self, other: &Self) -> [DVec3; 4] {
+        let ([p0, p1, p2, p3], [q0, q1, q2, q3]) = (self.points, other.points);
+        [p0 - q0, p1 - q1, p2 - q2, p3 - q3]
+    }
+
+    /// Returns a lower bound of the distance of two centres, or `None` if the separation exceeds a threshold.
+    #[inline(always)]
+    pub(super) fn distance_within(&self, other: &Self, threshold: f64) -> Option<f64> {
+        let (square, deviation) = self.least_on_chords(other);
+        let reach = (threshold + self.radius) + (other.radius + deviation);
+        (reach >= 0.0 && square <= reach * reach).then(|| square.sqrt() - deviation)
+    }
+
+    /// Returns a separation that two spheres come within.
+    pub(super) fn separation_reached(&self, other: &Self) -> f64 {
+        let (square, deviation) = self.least_on_chords(other);
+        square.sqrt() + deviation - (self.radius + other.radius)
+    }
+
+    /// Returns the squared least distance of two centres if they were on their chords, and how far both deviate from these.
+    #[inline(always)]
+    fn least_on_chords(&self, other: &Self) -> (f64, f64) {
+        let (start, change) = (self.points[0] - other.points[0], self.chord - other.chord);
+        // A change that vanishes makes a share without number, which `max` drops.
+        let share = (-start.dot(change) / change.length_squared()).max(0.0);
+        let nearest = start + change * share.min(1.0);
+        (nearest.length_squared(), self.deviation + other.deviation)
+    }
+}
+
+/// Returns a bound of a cubic's deviation from its chord, gone along evenly: that of the inner control points.
+#[inline]
+pub(super) fn deviation([p0, p1, p2, p3]: &[DVec3; 4]) -> f64 {
+    let third = (*p3 - *p0) / 3.0;
+    let (inner, outer) = (*p1 - (*p0 + third), *p2 - (*p3 - third));
+    let largest = inner.length_squared().max(outer.length_squared());
+    largest.sqrt()
 }
 
 impl NearSpheres {
@@ -36,11 +100,21 @@ impl NearSpheres {
     /// Removes the spheres that are farther than `bound` (m) from all of the other body's.
     pub(super) fn remove_far(&mut self, bound: f64) {
         let [a, b] = &mut self.listed;
-        let nearest = a.iter().map(|one| one.reach).fold(f64::INFINITY, f64::min);
-        let farthest = b
-            .iter()
-            .map(|one| one.reach)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for one in &*a {
+            nearest = if one.reach < nearest {
+                one.reach
+            } else {
+                nearest
+            };
+        }
+        for one in &*b {
+            farthest = if one.reach > farthest {
+                one.reach
+            } else {
+                farthest
+            };
+        }
         retain(a, |one| one.reach - farthest <= bound);
         retain(b, |one| nearest - one.reach <= bound);
     }

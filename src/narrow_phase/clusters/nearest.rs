@@ -44,7 +44,7 @@ impl SpheresOverPart<'_> {
         self.find_nearest_over(&self.whole, margin, (first, deeper), lists);
         nearest.sort_unstable();
         nearest.dedup();
-        if nearest.len() > 1 && self.whole.rotations.iter().all(Option::is_none) {
+        if nearest.len() > 1 && !self.whole.turns() {
             motions.clear();
             nearest.retain(|&spheres| motions.insert(self.motion_of(spheres)));
         }
@@ -60,28 +60,37 @@ impl SpheresOverPart<'_> {
         (candidates, nearest): (&mut Vec<SphereCandidate>, &mut Vec<(u32, u32)>),
     ) {
         self.find_reaches(interval, near);
-        let slack = self.slack();
-        let (mut within, mut is_long) = (margin, false);
-        if near.pairs() > Self::MANY {
-            let (most, way) = self.most_and_way(interval, near.facing());
-            // Pairs that are always farther are not the nearest ones.
-            within = within.min(most + slack);
-            is_long = way > Self::LONG;
-        }
-        let bound = self.threshold(within);
-        near.remove_far(bound);
-        if is_long
-            && interval.is_divisible()
-            && near.pairs() > Self::MANY
-            && let [next, deeper @ ..] = deeper
-        {
-            for half in interval.halves() {
-                next.listed.clone_from(&near.listed);
-                let lists = (&mut *candidates, &mut *nearest);
-                self.find_nearest_over(&half, margin, (next, deeper), lists);
-            }
+        near.remove_far(self.threshold(margin));
+        if near.pairs() == 0 {
             return;
         }
+        let slack = self.slack();
+        let mut within = margin;
+        if near.pairs() > Self::MANY {
+            let facing = near.facing();
+            let passage = self.passage(interval, facing);
+            let is_halved = passage.length > Self::LONG && interval.is_divisible();
+            let most = if is_halved {
+                passage.most
+            } else {
+                self.most_of_some(interval, near, facing.1)
+            };
+            // Pairs that are always farther are not the nearest ones.
+            within = within.min(most + slack);
+            near.remove_far(self.threshold(within));
+            if is_halved
+                && near.pairs() > Self::MANY
+                && let [next, deeper @ ..] = deeper
+            {
+                for half in interval.halves() {
+                    next.listed.clone_from(&near.listed);
+                    let lists = (&mut *candidates, &mut *nearest);
+                    self.find_nearest_over(&half, margin, (next, deeper), lists);
+                }
+                return;
+            }
+        }
+        let bound = self.threshold(within);
         let slack = slack * normalising_power(self.scale);
         candidates.clear();
         let mut room = Self::FULL;

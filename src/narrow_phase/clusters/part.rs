@@ -4,11 +4,10 @@
 //! direction tell most pairs apart. Then the spheres of a body are halved: those at either side have another such
 //! direction. Each pair is solved over the whole part.
 
-use super::candidates::{SphereCandidate, rounding_of_heights};
-use super::near::{ListedSphere, NearSpheres, divide};
+use super::candidates::SphereCandidate;
+use super::near::{ListedSphere, NearSpheres, Way, deviation, divide};
 use crate::accuracy::Accuracy;
 use crate::blossom::restrict;
-use crate::enclosure::squared_distance;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::contact_radius;
@@ -54,10 +53,25 @@ pub(super) struct PartScratch {
     pub(super) motions: HashSet<Motion>,
 }
 
+/// How two spheres move relative to each other in an interval.
+pub(super) struct Passage {
+    /// Bound of their separation, without the errors of their centres, m.
+    pub(super) most: f64,
+    /// Length of the way, in sums of radii.
+    pub(super) length: f64,
+    /// Deviation of the way from its chord, in sums of radii.
+    pub(super) bend: f64,
+}
+
 /// Bits that tell motions of pairs of spheres apart: those alike have the same distance all the time.
 pub(super) type Motion = [u64; 5];
 
 impl Interval {
+    /// Returns true if a body turns.
+    pub(super) fn turns(&self) -> bool {
+        self.rotations.iter().any(Option::is_some)
+    }
+
     pub(super) fn is_divisible(&self) -> bool {
         self.ends.1 - self.ends.0 > 0.5_f64.powi(SpheresOverPart::INTERVAL_HALVINGS)
     }
@@ -113,8 +127,10 @@ impl Interval {
 }
 
 impl<'a> SpheresOverPart<'a> {
-    /// Way in sums of radii from which on halving an interval tells enough pairs apart.
+    /// Length of a [passage](Passage) from which on halving an interval tells enough pairs apart, if they are many.
     pub(super) const LONG: f64 = 2.0;
+    /// Bend from which on halving an interval tells enough pairs apart.
+    pub(super) const BENT: f64 = 0.25;
     /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 3, pairs of 125
     /// spheres took 0.97 times as long, and 1.01 to 1.34 if they turn.
     const INTERVAL_HALVINGS: i32 = 2;
@@ -155,7 +171,7 @@ impl<'a> SpheresOverPart<'a> {
 
     /// Returns the motion of two spheres: offset and radii if neither body turns, else their numbers.
     pub(super) fn motion_of(&self, (a, b): (u32, u32)) -> Motion {
-        if self.whole.rotations.iter().any(Option::is_some) {
+        if self.whole.turns() {
             return [a.into(), b.into(), 0, 0, 0];
         }
         let (a, b) = (self.sphere(0, a), self.sphere(1, b));
@@ -197,16 +213,63 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
-    /// Returns a bound of the separation of two spheres in an interval, without the errors of their centres (m), and
-    /// how far one goes relative to the other, in sums of their radii.
-    pub(super) fn most_and_way(&self, interval: &Interval, (a, b): (u32, u32)) -> (f64, f64) {
+    /// Returns two spheres in an interval.
+    pub(super) fn candidate(&self, interval: &Interval, (a, b): (u32, u32)) -> SphereCandidate {
+        let power = normalising_power(self.scale);
+        let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
+        let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
+        let points =
+            [0, 1, 2, 3].map(|place| (interval.base[place] + p[place]) * power - q[place] * power);
+        let radii = (sphere_a.radius + sphere_b.radius) * power;
+        SphereCandidate::new((a, b), &points, radii, 0.0)
+    }
+
+    /// Returns a separation (m) that one of a's listed spheres and one of b's come within at some time of an interval, without
+    /// the errors of their centres.
+    pub(super) fn least_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
+        let power = normalising_power(self.scale);
+        let sphere_b = self.sphere(1, b);
+        let way_b = interval.way(1, sphere_b).map(|point| point * power);
+        let way_b = Way::new(way_b, sphere_b.radius * power);
+        let farthest = near.listed[0].iter().map(|one| {
+            let sphere_a = self.sphere(0, one.number);
+            let way = interval.way(0, sphere_a);
+            let points = [0, 1, 2, 3].map(|place| (interval.base[place] + way[place]) * power);
+            Way::new(points, sphere_a.radius * power).separation_reached(&way_b)
+        });
+        farthest.fold(f64::INFINITY, f64::min) / power
+    }
+
+    /// Returns a separation (m) that one of a's listed spheres and one of b's do not exceed in an interval, without the errors
+    /// of their centres.
+    pub(super) fn most_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
+        let sphere_b = self.sphere(1, b);
+        let way_b = interval.way(1, sphere_b);
+        let most = near.listed[0].iter().map(|one| {
+            let sphere_a = self.sphere(0, one.number);
+            let way = interval.way(0, sphere_a);
+            let squares = [0, 1, 2, 3].map(|place| {
+                let point = interval.base[place] + (way[place] - way_b[place]);
+                point.length_squared()
+            });
+            squares.into_iter().fold(0.0, f64::max).sqrt() - (sphere_a.radius + sphere_b.radius)
+        });
+        most.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns how two spheres move relative to each other in an interval.
+    pub(super) fn passage(&self, interval: &Interval, (a, b): (u32, u32)) -> Passage {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
         let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
         let points = [0, 1, 2, 3].map(|place| interval.base[place] + (p[place] - q[place]));
         let farthest = points.map(norm).into_iter().fold(0.0, f64::max);
-        let way: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
+        let length: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
         let radii = sphere_a.radius + sphere_b.radius;
-        (farthest - radii, way / radii)
+        Passage {
+            most: farthest - radii,
+            length: length / radii,
+            bend: deviation(&points) / radii,
+        }
     }
 
     /// Returns a separation along a direction beyond which two spheres are certainly farther apart than `bound`, m.
@@ -243,50 +306,43 @@ impl<'a> SpheresOverPart<'a> {
     ) {
         let NearSpheres {
             listed: [listed_a, listed_b],
-            points_b,
+            ways_b,
         } = near;
         let power = normalising_power(self.scale);
-        points_b.clear();
-        points_b.extend(listed_b.iter().map(|one| {
-            let [p0, p1, p2, p3] = interval.way(1, self.sphere(1, one.number));
-            [p0 * power, p1 * power, p2 * power, p3 * power]
+        ways_b.clear();
+        ways_b.extend(listed_b.iter().map(|one| {
+            let sphere = self.sphere(1, one.number);
+            let way = interval.way(1, sphere);
+            Way::new(way.map(|point| point * power), sphere.radius * power)
         }));
-        let [b0, b1, b2, b3] = interval.base;
+        let within = (self.threshold(margin) + self.error) * power;
         for one in listed_a {
             let sphere_a = self.sphere(0, one.number);
             let [p0, p1, p2, p3] = interval.way(0, sphere_a);
-            let [p0, p1, p2, p3] = [
-                (b0 + p0) * power,
-                (b1 + p1) * power,
-                (b2 + p2) * power,
-                (b3 + p3) * power,
-            ];
-            for (other, &[q0, q1, q2, q3]) in listed_b.iter().zip(&*points_b) {
+            let [b0, b1, b2, b3] = interval.base;
+            let points = [b0 + p0, b1 + p1, b2 + p2, b3 + p3];
+            let way_a = Way::new(points.map(|point| point * power), sphere_a.radius * power);
+            for (other, way_b) in listed_b.iter().zip(&*ways_b) {
                 if one.reach - other.reach > bound {
                     continue;
                 }
+                let Some(distance) = way_a.distance_within(way_b, within) else {
+                    continue;
+                };
                 let radius_b = self.sphere(1, other.number).radius;
                 let radius = if margin < f64::INFINITY {
                     contact_radius(sphere_a.radius, radius_b, margin) + self.error
                 } else {
                     margin
                 };
-                if radius < 0.0 {
-                    continue;
-                }
-                let points = [p0 - q0, p1 - q1, p2 - q2, p3 - q3];
-                let heights = squared_distance(&points);
-                let lowest = least_of(heights);
-                // The clearance contains their rounding: see the rejection by coefficients.
+                // The clearance contains all rounding: see the rejection by coefficients.
                 let threshold = rejection_threshold(radius, self.scale) * power;
-                if lowest <= threshold * threshold {
-                    visit(SphereCandidate {
-                        spheres: (one.number, other.number),
-                        heights,
-                        lowest: lowest.max(0.0),
-                        rounding: rounding_of_heights(&points),
-                        radii: (sphere_a.radius + radius_b) * power,
-                    });
+                let radii = (sphere_a.radius + radius_b) * power;
+                let points = way_a.relative_to(way_b);
+                let spheres = (one.number, other.number);
+                let candidate = SphereCandidate::new(spheres, &points, radii, distance);
+                if radius >= 0.0 && candidate.distance <= threshold {
+                    visit(candidate);
                 }
             }
         }
@@ -318,32 +374,30 @@ impl<'a> SpheresOverPart<'a> {
     pub(super) fn find_reaches(&self, interval: &Interval, near: &mut NearSpheres) {
         let direction = self.direction(interval, near);
         let base = interval.base.map(|point| point.dot(direction));
-        let along = |body: usize| {
-            let rotation = &interval.rotations[body];
-            rotation.as_ref().map_or([direction; 4], |rotation| {
-                rotation.projected_onto(direction)
-            })
-        };
-        let places = |[m0, m1, m2, m3]: [DVec3; 4], offset: DVec3| {
-            [
-                m0.dot(offset),
-                m1.dot(offset),
-                m2.dot(offset),
-                m3.dot(offset),
-            ]
-        };
+        let axes = [0, 1].map(|body: usize| {
+            let rotation = interval.rotations[body].as_ref();
+            rotation.map(|rotation| rotation.projected_onto(direction))
+        });
         let [listed_a, listed_b] = &mut near.listed;
-        let axes = along(0);
+        let least = least_of(base);
         for one in listed_a {
             let sphere = self.sphere(0, one.number);
-            let [h0, h1, h2, h3] = places(axes, sphere.offset);
-            let heights = [base[0] + h0, base[1] + h1, base[2] + h2, base[3] + h3];
-            one.reach = least_of(heights) - (sphere.radius + self.error);
+            let height = match &axes[0] {
+                Some(axes) => {
+                    let [m0, m1, m2, m3] = axes.map(|axis| axis.dot(sphere.offset));
+                    least_of([base[0] + m0, base[1] + m1, base[2] + m2, base[3] + m3])
+                }
+                None => least + direction.dot(sphere.offset),
+            };
+            one.reach = height - (sphere.radius + self.error);
         }
-        let axes = along(1).map(|axis| -axis);
         for one in listed_b {
             let sphere = self.sphere(1, one.number);
-            one.reach = sphere.radius - least_of(places(axes, sphere.offset));
+            let height = match &axes[1] {
+                Some(axes) => -least_of(axes.map(|axis| -axis.dot(sphere.offset))),
+                None => direction.dot(sphere.offset),
+            };
+            one.reach = sphere.radius + height;
         }
     }
 
@@ -356,13 +410,12 @@ impl<'a> SpheresOverPart<'a> {
         };
         let (radius_a, error_a) = radius_and_error(0, sphere_a);
         let (radius_b, error_b) = radius_and_error(1, sphere_b);
-        let cubic = if self.whole.rotations.iter().all(Option::is_none) {
-            // Without the rounding of ways.
-            self.motion.of_spheres(sphere_a.offset - sphere_b.offset)
-        } else {
+        let cubic = if self.whole.turns() {
             let [p0, p1, p2, p3] = self.whole.way(0, sphere_a);
             let [q0, q1, q2, q3] = self.whole.way(1, sphere_b);
             self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3])
+        } else {
+            self.motion.of_spheres(sphere_a.offset - sphere_b.offset)
         };
         SpherePair {
             a,

@@ -9,6 +9,7 @@ use super::near::NearSpheres;
 use super::part::{Interval, Motion, PartScratch, SpheresOverPart};
 use super::proven::{Piece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
+use crate::narrow_phase::widened;
 use crate::rounding::normalising_power;
 
 /// What is asked about two bodies over a part of a span.
@@ -18,11 +19,17 @@ pub(super) trait Question {
     fn list_pieces(&self, interval: (f64, f64), pieces: &mut Pieces);
     /// Solves a pair of spheres.
     fn solve(&mut self, pair: &SpherePair);
+    /// Notes that two spheres come as near as this at some time of the part, m. Returns false if that tells nothing.
+    fn note_reached(&mut self, separation: f64) -> bool;
 }
 
 /// Asks for the pairs that may come nearer than `reached`, m; `solve` returns its new value.
 pub(super) struct ClosestQuestion<F> {
     pub(super) reached: f64,
+    /// True if the window contains the part.
+    pub(super) is_whole: bool,
+    /// Sum of the bodies' model errors, m.
+    pub(super) model_error: f64,
     pub(super) solve: F,
 }
 
@@ -34,6 +41,15 @@ impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
 
     fn solve(&mut self, pair: &SpherePair) {
         self.reached = self.reached.min((self.solve)(pair));
+    }
+
+    fn note_reached(&mut self, separation: f64) -> bool {
+        if self.is_whole {
+            // The error counts twice: the nearest spheres may be farther apart by it, and others nearer by it.
+            let reached = widened(widened(separation, self.model_error), self.model_error);
+            self.reached = self.reached.min(reached);
+        }
+        self.is_whole
     }
 }
 
@@ -53,6 +69,10 @@ impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuesti
         self.found.clear();
         (self.solve)(pair, self.found);
         self.proven.learn(self.found);
+    }
+
+    fn note_reached(&mut self, _: f64) -> bool {
+        false
     }
 }
 
@@ -112,25 +132,35 @@ impl<Q: Question> Search<'_, '_, Q> {
         part.find_reaches(interval, near);
         let facing = near.facing();
         if self.bound(interval) == f64::INFINITY {
-            self.solve_once(facing);
+            let reached = part.least_of_some(interval, near, facing.1) + self.slack;
+            if !self.question.note_reached(reached) {
+                self.solve_if_near(interval, &part.candidate(interval, facing));
+            }
         }
         near.remove_far(part.threshold(self.bound(interval).min(most)));
         if near.pairs() > SpheresOverPart::MANY
             && let [next, deeper @ ..] = deeper
         {
-            self.solve_once(facing);
-            let (farthest, way) = part.most_and_way(interval, facing);
-            // Pairs that are always farther are not the nearest ones.
-            most = most.min(farthest + self.slack);
-            near.remove_far(part.threshold(self.bound(interval).min(most)));
-            if way > SpheresOverPart::LONG && interval.is_divisible() {
+            let passage = part.passage(interval, facing);
+            let mut is_crowded = near.pairs() > SpheresOverPart::CROWDED;
+            let is_long = passage.bend > SpheresOverPart::BENT
+                || is_crowded && passage.length > SpheresOverPart::LONG;
+            let is_halved = is_long && interval.is_divisible();
+            if is_halved || is_crowded {
+                self.solve_if_near(interval, &part.candidate(interval, facing));
+                // Pairs that are always farther are not the nearest ones.
+                most = most.min(passage.most + self.slack);
+                near.remove_far(part.threshold(self.bound(interval).min(most)));
+                is_crowded = near.pairs() > SpheresOverPart::CROWDED;
+            }
+            if is_halved {
                 for half in interval.nearer_first() {
                     next.listed.clone_from(&near.listed);
                     self.search_over(&half, most, (next, deeper));
                 }
                 return;
             }
-            if near.pairs() > SpheresOverPart::CROWDED {
+            if is_crowded {
                 part.each_half(near, next, |half| {
                     self.search_over(interval, most, (half, deeper));
                 });
@@ -156,16 +186,21 @@ impl<Q: Question> Search<'_, '_, Q> {
         if let Some((first, _)) = nearest {
             self.candidates.swap(0, first);
         }
-        let within = |bound: f64| (part.threshold(bound) + part.error) * power;
-        let mut bound = self.bound(interval);
         for place in 0..self.candidates.len() {
-            let candidate = &self.candidates[place];
-            if candidate.least() <= within(bound)
-                && candidate.comes_within(&self.pieces, within)
-                && self.solve_once(candidate.spheres)
-            {
-                bound = self.bound(interval);
-            }
+            let candidate = self.candidates[place];
+            self.solve_if_near(interval, &candidate);
+        }
+    }
+
+    /// Solves a pair of spheres if it may matter in an interval.
+    fn solve_if_near(&mut self, interval: &Interval, candidate: &SphereCandidate) {
+        let part = self.part;
+        let power = normalising_power(part.scale);
+        let within = |bound: f64| (part.threshold(bound) + part.error) * power;
+        if candidate.least() <= within(self.bound(interval))
+            && candidate.comes_within(&self.pieces, within)
+        {
+            self.solve_once(candidate.spheres);
         }
     }
 
@@ -177,16 +212,14 @@ impl<Q: Question> Search<'_, '_, Q> {
         bounds.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Solves two spheres, unless they or first ones with the same motion are solved. Returns true if it did. Of ties, the
-    /// first spheres are reported.
-    fn solve_once(&mut self, spheres: (u32, u32)) -> bool {
+    /// Solves two spheres, unless they or first ones with the same motion are solved. Of ties, the first spheres are
+    /// reported.
+    fn solve_once(&mut self, spheres: (u32, u32)) {
         let motion = self.part.motion_of(spheres);
         let mut solved = self.solved.iter();
-        let is_new = !solved.any(|&(other, first)| other == motion && first <= spheres);
-        if is_new {
+        if !solved.any(|&(other, first)| other == motion && first <= spheres) {
             self.solved.push((motion, spheres));
             self.question.solve(&self.part.pair(spheres));
         }
-        is_new
     }
 }
