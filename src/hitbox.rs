@@ -23,10 +23,9 @@ pub struct Sphere {
 
 /// A sphere, a cluster of spheres that stand in for another shape, or a [half-space](Self::half_space).
 ///
-/// Cost, where two clusters may be near each other: some nanoseconds for each pair of their
-/// spheres, and up to two microseconds where they overlap. Two overlapping bodies of 2,500 spheres
-/// each take a tenth of a second where both follow one cubic. Only a few pairs are solved: those that
-/// begin and end a conflict, and those that may be the nearest ones.
+/// Cost, where two clusters may be near each other: some microseconds for clusters of a few spheres, and tens of
+/// microseconds for hundreds or thousands, for each cubic that they follow. Most pairs of spheres are ruled
+/// out together. Few are solved: those that begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;

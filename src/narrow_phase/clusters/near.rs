@@ -63,6 +63,12 @@ impl Way {
         square.sqrt() + deviation - (self.radius + other.radius)
     }
 
+    /// Returns a separation that two spheres do not exceed.
+    pub(super) fn separation_kept(&self, other: &Self) -> f64 {
+        let squares = self.relative_to(other).map(DVec3::length_squared);
+        squares.into_iter().fold(0.0, f64::max).sqrt() - (self.radius + other.radius)
+    }
+
     /// Returns the squared least distance of two centres if they were on their chords, and how far both deviate from these.
     #[inline(always)]
     fn least_on_chords(&self, other: &Self) -> (f64, f64) {

@@ -7,7 +7,6 @@ use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
 use super::near::NearSpheres;
 use super::part::{Interval, PartScratch, SpheresOverPart};
 use crate::narrow_phase::sphere_pair::SpherePair;
-use crate::rounding::normalising_power;
 
 impl SpheresOverPart<'_> {
     /// Number of candidates from which on those that are always farther than others are removed before more are listed.
@@ -91,7 +90,7 @@ impl SpheresOverPart<'_> {
             }
         }
         let bound = self.threshold(within);
-        let slack = slack * normalising_power(self.scale);
+        let slack = slack * self.power;
         candidates.clear();
         let mut room = Self::FULL;
         let mut list = |candidate| {

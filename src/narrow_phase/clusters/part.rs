@@ -26,6 +26,8 @@ pub(super) struct SpheresOverPart<'a> {
     pub(super) whole: Interval,
     /// Magnitude to which all rounding is relative, m.
     pub(super) scale: f64,
+    /// Factor from metres to the unit of lengths, in which that is near one.
+    pub(super) power: f64,
     /// Bound of both centres' errors, for any two spheres, m.
     pub(super) error: f64,
 }
@@ -105,14 +107,9 @@ impl Interval {
         }
     }
 
-    /// Returns the control points of a sphere's centre relative to its body's position, m.
+    /// Returns the control points of a point of a body relative to the body's position, m.
     #[inline]
-    fn way(&self, body: usize, sphere: &Sphere) -> [DVec3; 4] {
-        self.way_of(body, sphere.offset)
-    }
-
-    #[inline]
-    fn way_of(&self, body: usize, offset: DVec3) -> [DVec3; 4] {
+    fn way(&self, body: usize, offset: DVec3) -> [DVec3; 4] {
         match &self.rotations[body] {
             Some(rotation) => rotation.way(offset),
             None => [offset; 4],
@@ -161,6 +158,7 @@ impl<'a> SpheresOverPart<'a> {
             },
             motion,
             scale,
+            power: normalising_power(scale),
             error: error(0) + error(1),
         }
     }
@@ -213,54 +211,59 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
+    /// Returns the way of a sphere's centre in an interval, from b's position.
+    #[inline]
+    fn way(&self, interval: &Interval, body: usize, number: u32) -> Way {
+        let power = self.power;
+        let sphere = self.sphere(body, number);
+        let [p0, p1, p2, p3] = interval.way(body, sphere.offset);
+        let points = if body == 0 {
+            let [b0, b1, b2, b3] = interval.base;
+            [b0 + p0, b1 + p1, b2 + p2, b3 + p3]
+        } else {
+            [p0, p1, p2, p3]
+        };
+        Way::new(points.map(|point| point * power), sphere.radius * power)
+    }
+
     /// Returns two spheres in an interval.
     pub(super) fn candidate(&self, interval: &Interval, (a, b): (u32, u32)) -> SphereCandidate {
-        let power = normalising_power(self.scale);
-        let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
-        let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
-        let points =
-            [0, 1, 2, 3].map(|place| (interval.base[place] + p[place]) * power - q[place] * power);
-        let radii = (sphere_a.radius + sphere_b.radius) * power;
-        SphereCandidate::new((a, b), &points, radii, 0.0)
+        let (way_a, way_b) = (self.way(interval, 0, a), self.way(interval, 1, b));
+        let radii = (self.sphere(0, a).radius + self.sphere(1, b).radius) * self.power;
+        SphereCandidate::new((a, b), &way_a.relative_to(&way_b), radii, 0.0)
     }
 
     /// Returns a separation (m) that one of a's listed spheres and one of b's come within at some time of an interval, without
     /// the errors of their centres.
     pub(super) fn least_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
-        let power = normalising_power(self.scale);
-        let sphere_b = self.sphere(1, b);
-        let way_b = interval.way(1, sphere_b).map(|point| point * power);
-        let way_b = Way::new(way_b, sphere_b.radius * power);
-        let farthest = near.listed[0].iter().map(|one| {
-            let sphere_a = self.sphere(0, one.number);
-            let way = interval.way(0, sphere_a);
-            let points = [0, 1, 2, 3].map(|place| (interval.base[place] + way[place]) * power);
-            Way::new(points, sphere_a.radius * power).separation_reached(&way_b)
-        });
-        farthest.fold(f64::INFINITY, f64::min) / power
+        let way_b = self.way(interval, 1, b);
+        let of_pair = |one: &ListedSphere| {
+            let way_a = self.way(interval, 0, one.number);
+            way_a.separation_reached(&way_b)
+        };
+        let reached = near.listed[0].iter().map(of_pair);
+        reached.fold(f64::INFINITY, f64::min) / self.power
     }
 
     /// Returns a separation (m) that one of a's listed spheres and one of b's do not exceed in an interval, without the errors
     /// of their centres.
     pub(super) fn most_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
-        let sphere_b = self.sphere(1, b);
-        let way_b = interval.way(1, sphere_b);
-        let most = near.listed[0].iter().map(|one| {
-            let sphere_a = self.sphere(0, one.number);
-            let way = interval.way(0, sphere_a);
-            let squares = [0, 1, 2, 3].map(|place| {
-                let point = interval.base[place] + (way[place] - way_b[place]);
-                point.length_squared()
-            });
-            squares.into_iter().fold(0.0, f64::max).sqrt() - (sphere_a.radius + sphere_b.radius)
-        });
-        most.fold(f64::INFINITY, f64::min)
+        let way_b = self.way(interval, 1, b);
+        let of_pair = |one: &ListedSphere| {
+            let way_a = self.way(interval, 0, one.number);
+            way_a.separation_kept(&way_b)
+        };
+        let kept = near.listed[0].iter().map(of_pair);
+        kept.fold(f64::INFINITY, f64::min) / self.power
     }
 
     /// Returns how two spheres move relative to each other in an interval.
     pub(super) fn passage(&self, interval: &Interval, (a, b): (u32, u32)) -> Passage {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
-        let (p, q) = (interval.way(0, sphere_a), interval.way(1, sphere_b));
+        let (p, q) = (
+            interval.way(0, sphere_a.offset),
+            interval.way(1, sphere_b.offset),
+        );
         let points = [0, 1, 2, 3].map(|place| interval.base[place] + (p[place] - q[place]));
         let farthest = points.map(norm).into_iter().fold(0.0, f64::max);
         let length: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
@@ -308,20 +311,13 @@ impl<'a> SpheresOverPart<'a> {
             listed: [listed_a, listed_b],
             ways_b,
         } = near;
-        let power = normalising_power(self.scale);
+        let power = self.power;
         ways_b.clear();
-        ways_b.extend(listed_b.iter().map(|one| {
-            let sphere = self.sphere(1, one.number);
-            let way = interval.way(1, sphere);
-            Way::new(way.map(|point| point * power), sphere.radius * power)
-        }));
+        ways_b.extend(listed_b.iter().map(|one| self.way(interval, 1, one.number)));
         let within = (self.threshold(margin) + self.error) * power;
         for one in listed_a {
-            let sphere_a = self.sphere(0, one.number);
-            let [p0, p1, p2, p3] = interval.way(0, sphere_a);
-            let [b0, b1, b2, b3] = interval.base;
-            let points = [b0 + p0, b1 + p1, b2 + p2, b3 + p3];
-            let way_a = Way::new(points.map(|point| point * power), sphere_a.radius * power);
+            let radius_a = self.sphere(0, one.number).radius;
+            let way_a = self.way(interval, 0, one.number);
             for (other, way_b) in listed_b.iter().zip(&*ways_b) {
                 if one.reach - other.reach > bound {
                     continue;
@@ -331,13 +327,13 @@ impl<'a> SpheresOverPart<'a> {
                 };
                 let radius_b = self.sphere(1, other.number).radius;
                 let radius = if margin < f64::INFINITY {
-                    contact_radius(sphere_a.radius, radius_b, margin) + self.error
+                    contact_radius(radius_a, radius_b, margin) + self.error
                 } else {
                     margin
                 };
                 // The clearance contains all rounding: see the rejection by coefficients.
                 let threshold = rejection_threshold(radius, self.scale) * power;
-                let radii = (sphere_a.radius + radius_b) * power;
+                let radii = (radius_a + radius_b) * power;
                 let points = way_a.relative_to(way_b);
                 let spheres = (one.number, other.number);
                 let candidate = SphereCandidate::new(spheres, &points, radii, distance);
@@ -355,8 +351,7 @@ impl<'a> SpheresOverPart<'a> {
             let offsets = listed
                 .iter()
                 .map(|one| self.sphere(body, one.number).offset);
-            let [p0, p1, p2, p3] =
-                interval.way_of(body, offsets.sum::<DVec3>() / listed.len() as f64);
+            let [p0, p1, p2, p3] = interval.way(body, offsets.sum::<DVec3>() / listed.len() as f64);
             (p0 + p3) + (p1 + p2)
         };
         let sum = interval.middle() + (middle(0) - middle(1));
@@ -411,8 +406,8 @@ impl<'a> SpheresOverPart<'a> {
         let (radius_a, error_a) = radius_and_error(0, sphere_a);
         let (radius_b, error_b) = radius_and_error(1, sphere_b);
         let cubic = if self.whole.turns() {
-            let [p0, p1, p2, p3] = self.whole.way(0, sphere_a);
-            let [q0, q1, q2, q3] = self.whole.way(1, sphere_b);
+            let [p0, p1, p2, p3] = self.whole.way(0, sphere_a.offset);
+            let [q0, q1, q2, q3] = self.whole.way(1, sphere_b.offset);
             self.motion.along(&[p0 - q0, p1 - q1, p2 - q2, p3 - q3])
         } else {
             self.motion.of_spheres(sphere_a.offset - sphere_b.offset)

@@ -10,7 +10,6 @@ use super::part::{Interval, Motion, PartScratch, SpheresOverPart};
 use super::proven::{Piece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
-use crate::rounding::normalising_power;
 
 /// What is asked about two bodies over a part of a span.
 pub(super) trait Question {
@@ -177,7 +176,7 @@ impl<Q: Question> Search<'_, '_, Q> {
 
     fn solve_candidates(&mut self, interval: &Interval) {
         let part = self.part;
-        let power = normalising_power(part.scale);
+        let power = part.power;
         if self.candidates.len() > Self::FEW {
             remove_behind(self.candidates, 0, self.slack * power);
         }
@@ -195,7 +194,7 @@ impl<Q: Question> Search<'_, '_, Q> {
     /// Solves a pair of spheres if it may matter in an interval.
     fn solve_if_near(&mut self, interval: &Interval, candidate: &SphereCandidate) {
         let part = self.part;
-        let power = normalising_power(part.scale);
+        let power = part.power;
         let within = |bound: f64| (part.threshold(bound) + part.error) * power;
         if candidate.least() <= within(self.bound(interval))
             && candidate.comes_within(&self.pieces, within)
