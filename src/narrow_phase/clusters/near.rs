@@ -32,7 +32,7 @@ pub(super) struct Way {
 }
 
 impl Way {
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(points: [DVec3; 4], radius: f64) -> Self {
         Self {
             points,

@@ -212,7 +212,7 @@ impl<'a> SpheresOverPart<'a> {
     }
 
     /// Returns the way of a sphere's centre in an interval, from b's position.
-    #[inline]
+    #[inline(always)]
     fn way(&self, interval: &Interval, body: usize, number: u32) -> Way {
         let power = self.power;
         let sphere = self.sphere(body, number);
