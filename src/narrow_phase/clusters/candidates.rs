@@ -1,6 +1,6 @@
 //! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
 
-use super::proven::Piece;
+use super::proven::BoundedPiece;
 use crate::enclosure::squared_distance;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
 use crate::rounding::UNIT_ROUNDOFF;
@@ -55,9 +55,13 @@ impl SphereCandidate {
 
     /// Returns true if the spheres may come as near as they must in a piece of the interval, to matter there. `within` turns
     /// a bound (m) into a separation in the unit of lengths.
-    pub(super) fn comes_within(&self, pieces: &[Piece], within: impl Fn(f64) -> f64) -> bool {
+    pub(super) fn comes_within(
+        &self,
+        pieces: &[BoundedPiece],
+        within: impl Fn(f64) -> f64,
+    ) -> bool {
         let (mut heights, mut start) = (self.heights, 0.0);
-        for &Piece { end, bound } in pieces {
+        for &BoundedPiece { end, bound } in pieces {
             let mut piece = heights;
             if end < 1.0 {
                 let share = (end - start) / (1.0 - start);

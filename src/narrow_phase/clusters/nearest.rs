@@ -4,7 +4,7 @@
 //! remains suffices for contacts within any margin, and for the closest approach, in any window.
 
 use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
-use super::near::NearSpheres;
+use super::near::{NearSpheres, Way};
 use super::part::{Interval, PartScratch, SpheresOverPart};
 use crate::narrow_phase::sphere_pair::SpherePair;
 
@@ -67,12 +67,12 @@ impl SpheresOverPart<'_> {
         let mut within = margin;
         if near.pairs() > Self::MANY {
             let facing = near.facing();
-            let passage = self.passage(interval, facing);
-            let is_halved = passage.length > Self::LONG && interval.is_divisible();
+            let way = self.relative_way(interval, facing);
+            let is_halved = way.length > Self::LONG && interval.is_divisible();
             let most = if is_halved {
-                passage.most
+                way.most
             } else {
-                self.most_of_some(interval, near, facing.1)
+                self.least_of_some(interval, near, facing.1, Way::separation_kept)
             };
             // Pairs that are always farther are not the nearest ones.
             within = within.min(most + slack);

@@ -25,7 +25,7 @@ pub(super) struct SpheresOverPart<'a> {
     motion: RelativeMotion,
     pub(super) whole: Interval,
     /// Magnitude to which all rounding is relative, m.
-    pub(super) scale: f64,
+    scale: f64,
     /// Factor from metres to the unit of lengths, in which that is near one.
     pub(super) power: f64,
     /// Bound of both centres' errors, for any two spheres, m.
@@ -55,8 +55,8 @@ pub(super) struct PartScratch {
     pub(super) motions: HashSet<Motion>,
 }
 
-/// How two spheres move relative to each other in an interval.
-pub(super) struct Passage {
+/// Relative motion of two spheres in an interval.
+pub(super) struct RelativeWay {
     /// Bound of their separation, without the errors of their centres, m.
     pub(super) most: f64,
     /// Length of the way, in sums of radii.
@@ -124,7 +124,7 @@ impl Interval {
 }
 
 impl<'a> SpheresOverPart<'a> {
-    /// Length of a [passage](Passage) from which on halving an interval tells enough pairs apart, if they are many.
+    /// Length of a [relative way](RelativeWay) from which on halving an interval tells enough pairs apart, if they are many.
     pub(super) const LONG: f64 = 2.0;
     /// Bend from which on halving an interval tells enough pairs apart.
     pub(super) const BENT: f64 = 0.25;
@@ -233,32 +233,23 @@ impl<'a> SpheresOverPart<'a> {
         SphereCandidate::new((a, b), &way_a.relative_to(&way_b), radii, 0.0)
     }
 
-    /// Returns a separation (m) that one of a's listed spheres and one of b's come within at some time of an interval, without
-    /// the errors of their centres.
-    pub(super) fn least_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
+    /// Returns the least separation (m) of one of b's spheres and any of a's listed ones in an interval, without the errors of
+    /// their centres; `separation` says which one of two spheres, in the unit of lengths.
+    pub(super) fn least_of_some(
+        &self,
+        interval: &Interval,
+        near: &NearSpheres,
+        b: u32,
+        separation: impl Fn(&Way, &Way) -> f64,
+    ) -> f64 {
         let way_b = self.way(interval, 1, b);
-        let of_pair = |one: &ListedSphere| {
-            let way_a = self.way(interval, 0, one.number);
-            way_a.separation_reached(&way_b)
-        };
-        let reached = near.listed[0].iter().map(of_pair);
-        reached.fold(f64::INFINITY, f64::min) / self.power
+        let numbers = near.listed[0].iter().map(|one| one.number);
+        let all = numbers.map(|number| separation(&self.way(interval, 0, number), &way_b));
+        all.fold(f64::INFINITY, f64::min) / self.power
     }
 
-    /// Returns a separation (m) that one of a's listed spheres and one of b's do not exceed in an interval, without the errors
-    /// of their centres.
-    pub(super) fn most_of_some(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
-        let way_b = self.way(interval, 1, b);
-        let of_pair = |one: &ListedSphere| {
-            let way_a = self.way(interval, 0, one.number);
-            way_a.separation_kept(&way_b)
-        };
-        let kept = near.listed[0].iter().map(of_pair);
-        kept.fold(f64::INFINITY, f64::min) / self.power
-    }
-
-    /// Returns how two spheres move relative to each other in an interval.
-    pub(super) fn passage(&self, interval: &Interval, (a, b): (u32, u32)) -> Passage {
+    /// Returns the relative motion of two spheres in an interval.
+    pub(super) fn relative_way(&self, interval: &Interval, (a, b): (u32, u32)) -> RelativeWay {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
         let (p, q) = (
             interval.way(0, sphere_a.offset),
@@ -268,7 +259,7 @@ impl<'a> SpheresOverPart<'a> {
         let farthest = points.map(norm).into_iter().fold(0.0, f64::max);
         let length: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
         let radii = sphere_a.radius + sphere_b.radius;
-        Passage {
+        RelativeWay {
             most: farthest - radii,
             length: length / radii,
             bend: deviation(&points) / radii,
@@ -298,7 +289,7 @@ impl<'a> SpheresOverPart<'a> {
     }
 
     /// Calls `visit` with the pairs of listed spheres that cheap tests cannot rule out to come within `margin` in an
-    /// interval, in the order of their numbers. Their reaches tell those apart that are farther than `bound` (m).
+    /// interval. Their reaches tell those apart that are farther than `bound` (m).
     #[inline(always)]
     pub(super) fn each_candidate(
         &self,

@@ -1,4 +1,4 @@
-//! What solved pairs of spheres prove about two bodies over a part of a span.
+//! Contacts that solved pairs of spheres prove, of two bodies over a part of a span.
 
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::spans::Span;
@@ -28,7 +28,7 @@ impl ProvenContact {
 
 /// A piece of an interval.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct BoundedPiece {
     /// End, as a share of the interval.
     pub(super) end: f64,
     /// Separation that a pair of spheres must reach to matter, m. Below all numbers if none matters.
@@ -36,7 +36,7 @@ pub(super) struct Piece {
 }
 
 /// The pieces of an interval, in time order.
-pub(super) type Pieces = ArrayVec<Piece, { 2 * ProvenContacts::MAX + 3 }>;
+pub(super) type Pieces = ArrayVec<BoundedPiece, { 2 * ProvenContacts::MAX + 3 }>;
 
 /// The contacts proven so far over a part of a span, for a margin and a window.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ impl ProvenContacts {
         let mut push = |end: f64, bound: f64| {
             let end = end.min(1.0);
             if end > pieces.last().map_or(0.0, |before| before.end) {
-                pieces.push(Piece { end, bound });
+                pieces.push(BoundedPiece { end, bound });
             }
         };
         let (from, to) = (self.clip.0.max(first), self.clip.1.min(last));

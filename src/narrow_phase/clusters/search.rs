@@ -5,13 +5,13 @@
 //! Each pair is solved over the whole part.
 
 use super::candidates::{SphereCandidate, remove_behind};
-use super::near::NearSpheres;
+use super::near::{NearSpheres, Way};
 use super::part::{Interval, Motion, PartScratch, SpheresOverPart};
-use super::proven::{Piece, Pieces, ProvenContact, ProvenContacts};
+use super::proven::{BoundedPiece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
 
-/// What is asked about two bodies over a part of a span.
+/// A question about two bodies over a part of a span.
 pub(super) trait Question {
     /// Appends the pieces of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
     /// be reached.
@@ -35,7 +35,7 @@ pub(super) struct ClosestQuestion<F> {
 impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
     fn list_pieces(&self, _: (f64, f64), pieces: &mut Pieces) {
         let bound = self.reached;
-        pieces.push(Piece { end: 1.0, bound });
+        pieces.push(BoundedPiece { end: 1.0, bound });
     }
 
     fn solve(&mut self, pair: &SpherePair) {
@@ -131,8 +131,8 @@ impl<Q: Question> Search<'_, '_, Q> {
         part.find_reaches(interval, near);
         let facing = near.facing();
         if self.bound(interval) == f64::INFINITY {
-            let reached = part.least_of_some(interval, near, facing.1) + self.slack;
-            if !self.question.note_reached(reached) {
+            let least = part.least_of_some(interval, near, facing.1, Way::separation_reached);
+            if !self.question.note_reached(least + self.slack) {
                 self.solve_if_near(interval, &part.candidate(interval, facing));
             }
         }
@@ -140,15 +140,15 @@ impl<Q: Question> Search<'_, '_, Q> {
         if near.pairs() > SpheresOverPart::MANY
             && let [next, deeper @ ..] = deeper
         {
-            let passage = part.passage(interval, facing);
+            let way = part.relative_way(interval, facing);
             let mut is_crowded = near.pairs() > SpheresOverPart::CROWDED;
-            let is_long = passage.bend > SpheresOverPart::BENT
-                || is_crowded && passage.length > SpheresOverPart::LONG;
+            let is_long = way.bend > SpheresOverPart::BENT
+                || is_crowded && way.length > SpheresOverPart::LONG;
             let is_halved = is_long && interval.is_divisible();
             if is_halved || is_crowded {
                 self.solve_if_near(interval, &part.candidate(interval, facing));
                 // Pairs that are always farther are not the nearest ones.
-                most = most.min(passage.most + self.slack);
+                most = most.min(way.most + self.slack);
                 near.remove_far(part.threshold(self.bound(interval).min(most)));
                 is_crowded = near.pairs() > SpheresOverPart::CROWDED;
             }
