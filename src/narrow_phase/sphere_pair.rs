@@ -215,10 +215,3 @@ pub(super) fn spheres_beyond(
 pub(super) fn difference_of_squares(near: f64, excess: f64) -> f64 {
     excess * (2.0 * near + excess)
 }
-
-/// Returns the number of the largest of some values, one for each sphere; the first one of ties.
-pub(super) fn farthest(values: impl Iterator<Item = f64>) -> u32 {
-    let farther = |x: (u32, f64), y: (u32, f64)| if y.1 > x.1 { y } else { x };
-    let numbered = (0..).zip(values);
-    numbered.reduce(farther).map_or(0, |(number, _)| number)
-}

@@ -1,18 +1,19 @@
 //! Lists of the spheres of two bodies that may be near the other body.
 
-use crate::narrow_phase::sphere_pair::farthest;
 use glam::DVec3;
 
 /// The spheres of two bodies that may be near the other body in an interval.
 #[derive(Debug, Default)]
 pub(super) struct NearSpheres {
     pub(super) listed: [Vec<ListedSphere>; 2],
+    /// Of each body the sphere that reaches farthest towards the other one: probably among the nearest.
+    pub(super) foremost: [ListedSphere; 2],
     /// Ways of b's.
     pub(super) ways_b: Vec<Way>,
 }
 
 /// A sphere that may be near the other body in an interval.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ListedSphere {
     pub(super) number: u32,
     /// Reach along a direction, m: see [`SpheresOverPart::find_reaches`](super::part::SpheresOverPart::find_reaches).
@@ -90,12 +91,9 @@ pub(super) fn deviation([p0, p1, p2, p3]: &[DVec3; 4]) -> f64 {
 }
 
 impl NearSpheres {
-    /// Returns two spheres that reach far towards each other's bodies: probably among the nearest.
+    /// Returns the numbers of the two foremost spheres.
     pub(super) fn facing(&self) -> (u32, u32) {
-        let [a, b] = &self.listed;
-        let toward_b = farthest(a.iter().map(|one| -one.reach)) as usize;
-        let toward_a = farthest(b.iter().map(|one| one.reach)) as usize;
-        (a[toward_b].number, b[toward_a].number)
+        self.foremost.map(|one| one.number).into()
     }
 
     /// Returns the number of pairs.
@@ -106,21 +104,8 @@ impl NearSpheres {
     /// Removes the spheres that are farther than `bound` (m) from all of the other body's.
     pub(super) fn remove_far(&mut self, bound: f64) {
         let [a, b] = &mut self.listed;
-        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for one in &*a {
-            nearest = if one.reach < nearest {
-                one.reach
-            } else {
-                nearest
-            };
-        }
-        for one in &*b {
-            farthest = if one.reach > farthest {
-                one.reach
-            } else {
-                farthest
-            };
-        }
+        // These two are not removed, unless all are.
+        let [nearest, farthest] = self.foremost.map(|one| one.reach);
         retain(a, |one| one.reach - farthest <= bound);
         retain(b, |one| nearest - one.reach <= bound);
     }

@@ -301,6 +301,7 @@ impl<'a> SpheresOverPart<'a> {
         let NearSpheres {
             listed: [listed_a, listed_b],
             ways_b,
+            ..
         } = near;
         let power = self.power;
         ways_b.clear();
@@ -356,7 +357,7 @@ impl<'a> SpheresOverPart<'a> {
 
     /// Finds how far each listed sphere reaches in an interval along the direction from b's to a's, m: those
     /// of a at least, from b's position, and those of b at most. The separation of two spheres is never
-    /// below the difference.
+    /// below the difference. Finds the two foremost ones as well.
     pub(super) fn find_reaches(&self, interval: &Interval, near: &mut NearSpheres) {
         let direction = self.direction(interval, near);
         let base = interval.base.map(|point| point.dot(direction));
@@ -365,6 +366,12 @@ impl<'a> SpheresOverPart<'a> {
             rotation.map(|rotation| rotation.projected_onto(direction))
         });
         let [listed_a, listed_b] = &mut near.listed;
+        let first = |listed: &[ListedSphere], reach: f64| ListedSphere {
+            number: listed.first().map_or(0, |one| one.number),
+            reach,
+        };
+        let mut nearest = first(listed_a, f64::INFINITY);
+        let mut farthest = first(listed_b, f64::NEG_INFINITY);
         let least = least_of(base);
         for one in listed_a {
             let sphere = self.sphere(0, one.number);
@@ -376,6 +383,9 @@ impl<'a> SpheresOverPart<'a> {
                 None => least + direction.dot(sphere.offset),
             };
             one.reach = height - (sphere.radius + self.error);
+            if one.reach < nearest.reach {
+                nearest = *one;
+            }
         }
         for one in listed_b {
             let sphere = self.sphere(1, one.number);
@@ -384,7 +394,11 @@ impl<'a> SpheresOverPart<'a> {
                 None => direction.dot(sphere.offset),
             };
             one.reach = sphere.radius + height;
+            if one.reach > farthest.reach {
+                farthest = *one;
+            }
         }
+        near.foremost = [nearest, farthest];
     }
 
     /// Returns two spheres over the part.
