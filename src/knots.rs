@@ -47,7 +47,7 @@ impl<'a> Knots<'a> {
 
     /// Returns the knots of a motion with those of its extension.
     pub(crate) fn over(plan: &'a Trajectory, extension: Option<&Extension>) -> Self {
-        Self::of(plan.cuts()).extended(plan, extension)
+        Self::of(plan.piece_knots()).extended(plan, extension)
     }
 
     /// Returns these knots of a motion with those of its extension.

@@ -104,7 +104,7 @@ use std::slice::from_ref;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
-    serde(try_from = "serial::Parts", into = "serial::Parts")
+    serde(try_from = "serial::SerialScene", into = "serial::SerialScene")
 )]
 pub struct Scene {
     slots: Vec<Slot>,

@@ -43,7 +43,7 @@ fn hull_test_of<const EXTENDED: bool>(
     /// Largest rounding, as a share of the radius, with which the outcome is `Near`, not `Undecided`.
     const SMALL: f32 = 0.25;
     let part = |body: &BodyCubic<'_>| {
-        let piece = body.source.piece::<EXTENDED>(body.cubic);
+        let piece = body.source.sub_cubic::<EXTENDED>(body.cubic);
         let placement = &body.source.placement;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + placement.steady;

@@ -187,7 +187,7 @@ mod tests {
     }
 
     /// Returns the pieces in a frame around them, and the slices between some instants.
-    fn look(
+    fn check(
         plan_pieces: &PlanPieces,
         ends: &[f64],
         mut each: impl FnMut(&Frame, &CubicSource<'_, CompactCubic>, &[SliceBounds]),
@@ -240,10 +240,10 @@ mod tests {
             let ends = [0.0, 0.1, 0.4999, 0.5, 0.5001, 0.75, 1.0];
             let ends = ends.map(|share| first + share * (last - first));
             let between = |(from, to): (f64, f64), share: f64| (from + (to - from) * share).min(to);
-            look(&plan_pieces, &ends, |frame, source, slices| {
+            check(&plan_pieces, &ends, |frame, source, slices| {
                 for (number, segment) in pieces.segments.iter().enumerate() {
                     let ends = (pieces.knots[number], pieces.knots[number + 1]);
-                    let piece = source.piece::<true>(number);
+                    let piece = source.sub_cubic::<true>(number);
                     let [p0, p1, p2, p3] = piece.points;
                     let at = source.placement.origin;
                     let rounding = piece.rounding() + source.placement.steady;
@@ -341,7 +341,7 @@ mod tests {
             let plan_pieces = flight.pieces((3_000.0, 3_000.0));
             for begin in [1.0, 60.0, 300.0, 560.0] {
                 let ends = [0.0, 1.0, 2.0, 3.0, 4.0].map(|second| begin + second);
-                look(&plan_pieces, &ends, |frame, _, slices| {
+                check(&plan_pieces, &ends, |frame, _, slices| {
                     for (slice, ends) in slices.iter().zip(ends.windows(2)) {
                         let mut way = DAabb::NOTHING;
                         for step in 0..=16 {

@@ -16,7 +16,7 @@ use std::slice::from_ref;
 /// A cubic from which bounds are formed.
 pub(crate) trait BoundingCubic {
     /// Returns the whole cubic between two knots, relative to the body's anchor (frame's unit).
-    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
+    fn sub_cubic(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic;
 }
 
 /// A source of boxes: a body's cubics and their placement in the frame.
@@ -33,7 +33,7 @@ pub(crate) struct CubicSource<'a, C> {
 impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, of an extended motion or of one without extension.
     #[inline(always)]
-    pub(crate) fn piece<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
+    pub(crate) fn sub_cubic<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
         if EXTENDED {
             return self.piece_of_extended(number);
         }
@@ -45,7 +45,7 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     #[inline(always)]
     fn own_piece(&self, number: usize, ends: (f64, f64)) -> SubCubic {
         match self.cubics.get(number) {
-            Some(cubic) => cubic.piece(ends, &self.placement),
+            Some(cubic) => cubic.sub_cubic(ends, &self.placement),
             None => SubCubic::anywhere(ends),
         }
     }
@@ -55,7 +55,7 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
         let ends = (self.knots.at(number), self.knots.at(number + 1));
         match self.knots.segment_beyond(number) {
             None => self.own_piece(number - self.knots.before(), ends),
-            Some(segment) => segment.piece(ends, &self.placement),
+            Some(segment) => segment.sub_cubic(ends, &self.placement),
         }
     }
 
@@ -188,14 +188,14 @@ impl<'a> CubicSource<'a, Segment> {
 
 impl BoundingCubic for CompactCubic {
     #[inline(always)]
-    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
+    fn sub_cubic(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
         SubCubic::whole(self, knots, placement.factor)
     }
 }
 
 impl BoundingCubic for Segment {
     #[inline(always)]
-    fn piece(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
+    fn sub_cubic(&self, knots: (f64, f64), placement: &FramePlacement) -> SubCubic {
         match CompactCubic::of(self, knots, &placement.anchor) {
             Some(compact_cubic) => SubCubic::whole(&compact_cubic, knots, 1.0),
             None => SubCubic::anywhere(knots),

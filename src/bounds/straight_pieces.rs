@@ -43,7 +43,7 @@ impl<'a> StraightPieces<'a> {
         (from, to): (f64, f64),
         placement: impl FnOnce() -> FramePlacement,
     ) -> Option<Self> {
-        let (motions, knots) = (plan.straight_motions(), plan.cuts());
+        let (motions, knots) = (plan.straight_motions(), plan.piece_knots());
         let [first, .., last] = *knots else {
             return None;
         };
@@ -174,7 +174,7 @@ mod tests {
                 for step in 0..=4 {
                     let share = f64::from(step) / 4.0;
                     let time = ends[0] + share * (ends[1] - ends[0]);
-                    let piece = trajectory.cuts()[1..]
+                    let piece = trajectory.piece_knots()[1..]
                         .iter()
                         .take_while(|&&cut| cut < time)
                         .count();

@@ -1,7 +1,7 @@
 //! Covers that follow from a formula.
 
 use super::certificate::Certified;
-use super::form::SolidForm;
+use super::form::SolidShape;
 use super::solid::{Solid, SolidPart};
 use glam::DVec3;
 
@@ -27,7 +27,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
     let [SolidPart::Convex(convex)] = &solid.parts[..] else {
         return None;
     };
-    let SolidForm::Capsule { ends, radius } = convex.form() else {
+    let SolidShape::Capsule { ends, radius } = convex.form() else {
         return None;
     };
     let length = ends[0].distance(ends[1]);

@@ -35,7 +35,7 @@ impl Round {
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum SolidForm {
+pub(super) enum SolidShape {
     /// The convex hull of some points, with the polygons of its surface, seen from outside
     /// anticlockwise.
     Hull {
@@ -59,7 +59,7 @@ pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
     axis.any_orthonormal_pair()
 }
 
-impl SolidForm {
+impl SolidShape {
     pub(super) fn cuboid(half_extents: DVec3) -> Self {
         let corner = |number: usize| {
             let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -213,7 +213,7 @@ mod tests {
     fn boxes_contain_discs_at_a_slant() {
         for slant in [1e-9, 3e-8, 1e-4, 0.3] {
             let axis = DVec3::new(slant, 1.0, -slant).normalize();
-            let disc = SolidForm::Round(Round {
+            let disc = SolidShape::Round(Round {
                 middle: DVec3::ZERO,
                 axis,
                 radii: [1.0; 2],

@@ -1,7 +1,7 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
 use super::levels::{SignPattern, SquaredThresholds};
-use super::meeting::{meeting_point, nearest_certain};
+use super::meeting::{crossing_estimate, nearest_certain};
 use super::minorant::Minorant;
 use super::part::{part, point, reversed, squared_distance};
 use super::scaled::{SLACK, ScaledCubic, TINY};
@@ -61,7 +61,7 @@ struct Mixed {
 
 /// The next step for a part of which only the outer end is certainly outside. Fractions count from
 /// the inner end; everything beyond them is outside.
-enum Cut {
+enum Trim {
     None,
     /// Examine the part before the fraction.
     Examine(f64),
@@ -163,23 +163,23 @@ impl PartitionSearch {
             && self.blurred.side(mixed.greatest, mixed.greatest) != Verdict::Outside
     }
 
-    /// Returns the cut of a part, counted from its end that is not outside.
-    fn cut(&self, points: &ControlPolygon, least: f64) -> Cut {
+    /// Returns the trim of a part, counted from its end that is not outside.
+    fn trim(&self, points: &ControlPolygon, least: f64) -> Trim {
         /// Limits beyond which halving is as good.
         const WORTHWHILE: f64 = 0.375;
         const SETTLED: f64 = 0.875;
         let reach = Minorant::of(points).parameter_bound(self.computed.outside);
         if reach < WORTHWHILE {
             // Twice as far, where outside is certain by a margin: then the next look settles it.
-            return Cut::Examine(2.0 * reach);
+            return Trim::Examine(2.0 * reach);
         }
-        // A touch: all of the part is next to the outer level or beyond, and so is the cut.
+        // A touch: all of the part is next to the outer level or beyond, and so is what is trimmed.
         let touching = (self.high - 4.0 * self.cubic.part_error()).or_more(0.0);
         let is_next = |x: f64| point(points, x).length_squared() <= self.blurred.outside;
         if reach < SETTLED && least >= touching * touching && is_next(reach) {
-            Cut::Undecided(reach)
+            Trim::Undecided(reach)
         } else {
-            Cut::None
+            Trim::None
         }
     }
 
@@ -201,7 +201,7 @@ impl PartitionSearch {
         let (mut last_inside, mut first_outside) = (origin, target);
         let mut guess = None;
         if crossed.inside {
-            let (x, rate) = meeting_point(points, self.low - error, None);
+            let (x, rate) = crossing_estimate(points, self.low - error, None);
             let step = resolution + 12.0 * UNIT_ROUNDOFF * self.low / rate;
             let is_certain =
                 |s: f64| square_at(s) * (1.0 + 4.0 * UNIT_ROUNDOFF) < self.computed.inside;
@@ -210,7 +210,7 @@ impl PartitionSearch {
             guess = Some(x + (self.high - self.low + 2.0 * error) / rate);
         }
         if crossed.outside {
-            let (x, rate) = meeting_point(points, self.high + error, guess);
+            let (x, rate) = crossing_estimate(points, self.high + error, guess);
             let step = resolution + 12.0 * UNIT_ROUNDOFF * self.high / rate;
             let is_certain =
                 |s: f64| square_at(s) * (1.0 - 4.0 * UNIT_ROUNDOFF) > self.computed.outside;
@@ -274,8 +274,8 @@ impl PartitionSearch {
             }
             (false, false) => {}
             _ => {
-                let cut = self.cut(&inner, mixed.least);
-                if self.cut_off((start, end), is_falling, &cut, depth) {
+                let trim = self.trim(&inner, mixed.least);
+                if self.trim_off((start, end), is_falling, &trim, depth) {
                     return;
                 }
             }
@@ -285,21 +285,21 @@ impl PartitionSearch {
         self.examine(s, end, depth + 1);
     }
 
-    /// Appends the part divided at the cut, if there is one.
-    fn cut_off(
+    /// Appends the part divided at the trim, if there is one.
+    fn trim_off(
         &mut self,
         (start, end): (f64, f64),
         is_falling: bool,
-        cut: &Cut,
+        trim: &Trim,
         depth: u32,
     ) -> bool {
-        let (Cut::Examine(x) | Cut::Undecided(x)) = *cut else {
+        let (Trim::Examine(x) | Trim::Undecided(x)) = *trim else {
             return false;
         };
         let (width, rounding) = (end - start, 4.0 * UNIT_ROUNDOFF * end);
-        let inner = |search: &mut Self, start: f64, end: f64| match cut {
-            Cut::Examine(_) => search.examine(start, end, depth + 1),
-            Cut::Undecided(_) | Cut::None => search.found.append(end, Verdict::Undecided),
+        let inner = |search: &mut Self, start: f64, end: f64| match trim {
+            Trim::Examine(_) => search.examine(start, end, depth + 1),
+            Trim::Undecided(_) | Trim::None => search.found.append(end, Verdict::Undecided),
         };
         if is_falling {
             let s = (end - x * width - rounding).or_more(start);

@@ -5,7 +5,7 @@ use crate::blossom::ControlPolygon;
 
 /// Returns an estimate of the crossing of `radius`, from 0 at the inner end to 1 at the outer end,
 /// and the closing rate there. Bracketed Newton; callers do not rely on it.
-pub(super) fn meeting_point(
+pub(super) fn crossing_estimate(
     points: &ControlPolygon,
     radius: f64,
     guess: Option<f64>,

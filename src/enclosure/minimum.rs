@@ -279,12 +279,12 @@ impl<'c> BranchAndBound<'c> {
                     (self.best, self.square) = (base, square);
                 }
             }
-            let is_cut = !divided.is_cut;
+            let is_split_at_minimum = !divided.is_split_at_minimum;
             let part = |start, end, lower| BoundedPart {
                 start,
                 end,
                 lower,
-                is_cut,
+                is_split_at_minimum,
             };
             parts[least] = part(start, s, lower_before);
             parts.push(part(s, end, lower_after));
@@ -310,7 +310,7 @@ struct BoundedPart {
     end: f64,
     lower: f64,
     /// True if it comes from a cut at an apparent minimum.
-    is_cut: bool,
+    is_split_at_minimum: bool,
 }
 
 /// Returns parts with a lower bound each, with room for more; their ends follow one another.
@@ -323,7 +323,7 @@ fn parts_between(ends: &[f64], lowers: &[f64]) -> Vec<BoundedPart> {
                 start: ends[0],
                 end: ends[1],
                 lower,
-                is_cut: false,
+                is_split_at_minimum: false,
             }),
     );
     parts
@@ -347,7 +347,7 @@ fn dividing_point(cubic: &ScaledCubic, divided: &BoundedPart, best: f64) -> f64 
     const NEAR_BEST: f64 = 1.0 / 32.0;
     let BoundedPart { start, end, .. } = *divided;
     let width = end - start;
-    if !divided.is_cut {
+    if !divided.is_split_at_minimum {
         let s = start + least_point(&part(&cubic.points, start, end)) * width;
         // Not at an end.
         if start < s && s < end {

@@ -408,7 +408,7 @@ impl Monitor {
     }
 
     /// Drops all state derived from the scene, and keeps the grid.
-    pub(super) fn look_anew(&mut self) -> Result<(), Error> {
+    pub(super) fn search_anew(&mut self) -> Result<(), Error> {
         self.renew(self.search.grid)
     }
 

@@ -26,7 +26,7 @@ pub(super) struct HalfSpaceSearch {
     ground: Vec<Option<HeightRange>>,
     /// Instant up to which each body is compared, s: it is due again then.
     due: DueTimes,
-    /// Memory of [`look`](Self::look): slots that are due, each with the instant up to which it is compared (s).
+    /// Memory of [`list_spans`](Self::list_spans): slots that are due, each with the instant up to which it is compared (s).
     taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and the place of the next one in this list.
     to_compare: Vec<u32>,
@@ -70,7 +70,7 @@ impl HalfSpaceSearch {
     /// Lists the spans that are not listed yet in which a half-space and another body may be in
     /// contact from `from` to `to` (s), until the budget is spent. `ahead` is an instant up to which
     /// turning bodies are solved (s). Returns the instant up to which all are listed.
-    pub(super) fn look(
+    pub(super) fn list_spans(
         &mut self,
         bodies: &BodyTable<'_>,
         (from, to, ahead): (f64, f64, f64),

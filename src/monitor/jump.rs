@@ -77,8 +77,8 @@ impl JumpSearch {
             let end = (progress.at + progress.chunk).min(to.min(until));
             let window = (progress.at, end);
             let (slices, statistics) = bodies.cheapest_slices(window, progress.slice);
-            let (cut, mut counted) = ((&slices, &statistics), Stats::default());
-            bodies.list_spans(cut, admission, threads, (&mut *found, &mut counted))?;
+            let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
+            bodies.list_spans(slicing, admission, threads, (&mut *found, &mut counted))?;
             if admission.gives_up() {
                 return Ok(Some(progress.at.max(from)));
             }

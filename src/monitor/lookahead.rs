@@ -259,10 +259,10 @@ impl LookaheadSearch {
                 let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
                 let times = (from, to, self.plans_needed_until(to));
                 let found = (&mut self.survivors, self.max_spans);
-                known = self.half_spaces.look(&bodies, times, work, found)?;
+                known = self.half_spaces.list_spans(&bodies, times, work, found)?;
                 work.stats.narrow_time += begin.elapsed();
             }
-            let (compared_until, is_done) = self.look((from, to), work)?;
+            let (compared_until, is_done) = self.search_slices((from, to), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -287,7 +287,7 @@ impl LookaheadSearch {
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. Lists survivors, as
     /// many as are solved at a time. Returns the instant up to which all is up to date, and false if another call is to
     /// go on once these survivors are solved.
-    fn look(
+    fn search_slices(
         &mut self,
         (mut from, to): (f64, f64),
         work: &mut TickWork<'_>,
@@ -318,7 +318,7 @@ impl LookaheadSearch {
     }
 
     /// Compares what has not been compared in each slice from `from` to `to` (s), and what is due of the next
-    /// one. The first `needed` slices are needed. The result is that of [`look`](Self::look).
+    /// one. The first `needed` slices are needed. The result is that of [`search_slices`](Self::search_slices).
     fn refresh(
         &mut self,
         (from, to): (f64, f64),

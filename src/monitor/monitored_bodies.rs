@@ -95,7 +95,7 @@ impl MonitoredBody {
     /// Takes the facts about a plan between its knots.
     #[inline]
     fn take_knots(&mut self, trajectory: &Trajectory, window: Window) {
-        let knots = Knots::of(trajectory.cuts());
+        let knots = Knots::of(trajectory.piece_knots());
         self.begin = window.start();
         self.ends = knots.ends();
         self.cubics = short(knots.cubics());
@@ -177,7 +177,7 @@ impl MonitoredBody {
     /// Returns the knots of the plan.
     #[inline]
     pub(super) fn knots<'s>(&self, trajectory: &'s Trajectory) -> Knots<'s> {
-        let knots = Knots::with_ends(trajectory.cuts(), self.ends);
+        let knots = Knots::with_ends(trajectory.piece_knots(), self.ends);
         knots.extended(trajectory, self.extension().as_ref())
     }
 }

@@ -91,7 +91,7 @@ impl<'m> PreparedBodies<'m> {
     /// Appends the spans in some slices to a list, as [`WindowSearch::spans`] does, on so many threads.
     pub(super) fn list_spans(
         &self,
-        cut: (&TimeSlices, &SceneStatistics),
+        slicing: (&TimeSlices, &SceneStatistics),
         filter: &SlotAdmission<'_>,
         threads: usize,
         found: (&mut Vec<SpanKey>, &mut Stats),
@@ -108,7 +108,7 @@ impl<'m> PreparedBodies<'m> {
             pool: self.pool,
             threads,
         };
-        search.spans(cut, filter, &|_| {}, found)
+        search.spans(slicing, filter, &|_| {}, found)
     }
 
     /// Returns a window (s) in slices of the grid's `search_length`, which suits the whole lookahead.

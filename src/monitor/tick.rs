@@ -138,7 +138,7 @@ impl Monitor {
         let work = work.meter.done();
         let Ok(known) = known else {
             let limit = self.search.max_spans;
-            self.look_anew()?;
+            self.search_anew()?;
             return Err(Error::TooCrowded { limit });
         };
         // Nothing below can fail.

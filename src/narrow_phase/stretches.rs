@@ -151,7 +151,7 @@ impl DistanceProfile {
         (from, to): (f64, f64),
         clip: Clip,
     ) -> ProfilePoint {
-        let cut = |time: f64, least: f64| ProfilePoint {
+        let point_at = |time: f64, least: f64| ProfilePoint {
             time,
             distance: cubic.distance(cubic.parameter(time)).max(least),
             plateau: self.plateau,
@@ -177,7 +177,7 @@ impl DistanceProfile {
             && let Some((before, after)) = around(from)
             && before <= after
         {
-            include(cut(from, before));
+            include(point_at(from, before));
         }
         for node in self.nodes() {
             if from <= node.time && node.time <= to {
@@ -189,9 +189,9 @@ impl DistanceProfile {
             && let Some((before, after)) = around(to)
             && before > after
         {
-            include(cut(to, after));
+            include(point_at(to, after));
         }
-        closest.unwrap_or_else(|| cut(from, 0.0))
+        closest.unwrap_or_else(|| point_at(from, 0.0))
     }
 
     /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal

@@ -8,11 +8,11 @@
 
 mod arc;
 mod baked;
+mod given;
 mod piece;
 mod quaternion_cubic;
 #[cfg(feature = "serde")]
 mod serial;
-mod source;
 #[cfg(test)]
 mod tests;
 mod told_spin;
@@ -25,8 +25,8 @@ pub(crate) use turning::{Turning, TurningCell};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
 use crate::trajectory::Outside;
+use given::GivenRotation;
 use glam::{DQuat, DVec3};
-use source::Source;
 use turning::OrientationPart;
 
 /// The orientation of a body over time: the rotation from its own axes to those of the world.
@@ -111,7 +111,7 @@ impl Orientation {
         rotation: DQuat,
         angular_velocity: impl Into<DVec3>,
     ) -> Result<Self, Error> {
-        Self::of(Source::Spin {
+        Self::of(GivenRotation::Spin {
             time,
             rotation,
             angular_velocity: angular_velocity.into(),
@@ -131,7 +131,7 @@ impl Orientation {
     /// [`Error::TimeNotIncreasing`], [`Error::RotationLength`]; [`Error::AntipodalRotations`] if
     /// neighbours are half a turn apart, where both ways are equally long.
     pub fn slerp(knots: &[(f64, DQuat)]) -> Result<Self, Error> {
-        Self::of(Source::Slerp {
+        Self::of(GivenRotation::Slerp {
             knots: knots.to_vec(),
             outside: Outside::Absent,
         })
@@ -149,7 +149,7 @@ impl Orientation {
     /// As [`slerp`](Self::slerp); [`Error::RotationVanishes`] if a cubic comes so close to zero
     /// that its direction is lost.
     pub fn normalized_cubic(knots: &[(f64, DQuat)]) -> Result<Self, Error> {
-        Self::of(Source::NormalizedCubic {
+        Self::of(GivenRotation::NormalizedCubic {
             knots: knots.to_vec(),
             outside: Outside::Absent,
         })
@@ -196,7 +196,7 @@ impl Orientation {
         let tolerance = tolerance(next).or_else(|| tolerance(self));
         let known: Vec<&Turning> = [self, next].into_iter().filter_map(Self::turning).collect();
         if let ([.., last], [only]) = (&own[..], &other[..])
-            && last.source == only.source
+            && last.given == only.given
             && last.from.is_none_or(|begin| begin <= from)
         {
             // It is followed already.
@@ -209,7 +209,7 @@ impl Orientation {
             let begin = first.take().or(part.from).filter(|_| !parts.is_empty());
             parts.push(OrientationPart {
                 from: begin,
-                source: part.source,
+                given: part.given,
             });
         }
         Self::of_parts(parts, tolerance, &known)
@@ -233,7 +233,7 @@ impl Orientation {
             Some(turning) => turning.parts.clone(),
             None => vec![OrientationPart {
                 from: None,
-                source: Source::Fixed,
+                given: GivenRotation::Fixed,
             }],
         }
     }
@@ -249,8 +249,8 @@ impl Orientation {
         parts.split_off(passed)
     }
 
-    fn of(source: Source) -> Result<Self, Error> {
-        Self::of_parts(vec![OrientationPart { from: None, source }], None, &[])
+    fn of(given: GivenRotation) -> Result<Self, Error> {
+        Self::of_parts(vec![OrientationPart { from: None, given }], None, &[])
     }
 
     /// Returns the orientation of these parts, cut for this tolerance; see [`Turning::of`].
@@ -263,7 +263,7 @@ impl Orientation {
         let is_fixed = turning
             .parts
             .iter()
-            .all(|part| part.source == Source::Fixed);
+            .all(|part| part.given == GivenRotation::Fixed);
         Ok(Self {
             turning: (!is_fixed).then(|| Box::new(turning)),
         })

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// A rotation between two instants.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct RotationPiece {
     /// First and last instant, s; the first and last piece have no beginning and end.
     pub(super) start: f64,
     pub(super) end: f64,
@@ -44,7 +44,7 @@ pub(super) const fn set_of(accuracy: Accuracy) -> usize {
     }
 }
 
-impl Piece {
+impl RotationPiece {
     /// Returns a motion for all time.
     pub(super) fn forever(arc: Arc, tolerances: [f64; 2]) -> Self {
         // Shorter steps do as well: of endless ones no multiple is a number.

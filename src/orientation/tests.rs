@@ -6,7 +6,7 @@ mod exact;
 mod terms;
 
 use super::Orientation;
-use super::source::Source;
+use super::given::GivenRotation;
 use super::turning::{Turning, TurningCell};
 use crate::accuracy::Accuracy;
 use crate::error::{Error, Quantity};
@@ -27,17 +27,17 @@ fn rotation(rng: &mut ChaCha8Rng) -> DQuat {
 }
 
 /// Returns an orientation of some kind, and a time around which to look at it (s).
-fn orientation(rng: &mut ChaCha8Rng, kind: usize) -> (Source, f64, f64) {
+fn orientation(rng: &mut ChaCha8Rng, kind: usize) -> (GivenRotation, f64, f64) {
     let time = [0.0, 1.7e9][kind / 3 % 2];
     if kind.is_multiple_of(3) {
         let speed = 10f64.powf(rng.random_range(-9.0..5.0));
         let from = time - rng.random_range(-1.0..1.0) * 10f64.powf(rng.random_range(-3.0..4.0));
-        let source = Source::Spin {
+        let given = GivenRotation::Spin {
             time: from,
             rotation: rotation(rng),
             angular_velocity: vector(rng, speed),
         };
-        return (source, time, 10.0 / speed);
+        return (given, time, 10.0 / speed);
     }
     let length = if time > 0.0 {
         10.0
@@ -55,12 +55,12 @@ fn orientation(rng: &mut ChaCha8Rng, kind: usize) -> (Source, f64, f64) {
     });
     let knots: Vec<(f64, DQuat)> = knots.collect();
     let outside = [Outside::Absent, Outside::Coast][kind / 18 % 2];
-    let source = if kind % 3 == 1 {
-        Source::Slerp { knots, outside }
+    let given = if kind % 3 == 1 {
+        GivenRotation::Slerp { knots, outside }
     } else {
-        Source::NormalizedCubic { knots, outside }
+        GivenRotation::NormalizedCubic { knots, outside }
     };
-    (source, time, 4.0 * length)
+    (given, time, 4.0 * length)
 }
 
 /// Points of turning bodies stay within the error of their cubics, of whole cells and of parts, and
@@ -71,8 +71,8 @@ fn cubics_stay_within_their_error() {
     let rng = &mut rng;
     let (mut closest, mut unknown, mut count) = (0.0_f64, 0, 0);
     for kind in 0..720 {
-        let (source, around, reach) = orientation(rng, kind);
-        let turning = match Orientation::of(source.clone()) {
+        let (given, around, reach) = orientation(rng, kind);
+        let turning = match Orientation::of(given.clone()) {
             Ok(orientation) => orientation,
             Err(Error::AntipodalRotations { .. } | Error::RotationVanishes { .. }) => continue,
             Err(error) => unreachable!("{error}"),
@@ -105,21 +105,21 @@ fn cubics_stay_within_their_error() {
         for step in 0..=4 {
             let s = big(f64::from(step) / 4.0);
             let time = big(start) + &s * (big(end) - big(start));
-            let place = turned(&exact(&source, &time), point);
+            let place = turned(&exact(&given, &time), point);
             let found = on_cubic(&points, &s);
             let off = [0, 1, 2].map(|axis| &place[axis] - &found[axis]);
             let off = off.iter().map(|x| x * x).fold(big(0.0), |sum, x| sum + x);
             let off = off.sqrt().to_f64().value();
-            assert!(off <= error, "{kind}: {off} {error} {source:?} {cell:?}");
+            assert!(off <= error, "{kind}: {off} {error} {given:?} {cell:?}");
             closest = closest.max(off / error);
             count += 1;
         }
-        let here = exact(&source, &big(time));
+        let here = exact(&given, &big(time));
         let there = orientation.rotation(time) * point;
         let place = turned(&here, point).map(|lane| lane.to_f64().value());
         let off = (DVec3::from_array(place) - there).length();
         if part.error() < 1.0 {
-            assert!(off <= 1e-5 * point.length(), "{kind}: {off} {source:?}");
+            assert!(off <= 1e-5 * point.length(), "{kind}: {off} {given:?}");
         }
     }
     assert!(closest > 0.9 && closest <= 1.0, "{closest}");
@@ -133,19 +133,19 @@ fn rounding_is_within_its_bound() {
     let rng = &mut rng;
     let mut closest = 0.0_f64;
     for _ in 0..300 {
-        let source = Source::Spin {
+        let given = GivenRotation::Spin {
             time: 0.0,
             rotation: rotation(rng),
             angular_velocity: vector(rng, 1.0),
         };
-        let orientation = Orientation::of(source.clone()).unwrap();
+        let orientation = Orientation::of(given.clone()).unwrap();
         let turning = orientation.turning().unwrap();
         let cell = turning.cell_at(rng.random_range(-50.0..50.0), Accuracy::Certified);
         let baked = turning.bake(&cell, Accuracy::Certified);
         let point = vector(rng, 1.0);
         let points = baked.way(point);
         for (time, found) in [(cell.start, points[0]), (cell.end, points[3])] {
-            let place = turned(&exact(&source, &big(time)), point);
+            let place = turned(&exact(&given, &big(time)), point);
             let off = [0, 1, 2].map(|axis| (&place[axis] - big(found[axis])).to_f64().value());
             let off = DVec3::from_array(off).length() / point.length();
             closest = closest.max(off);
@@ -222,8 +222,8 @@ fn rates_that_differ_by_rounding_have_the_same_cuts() {
 fn cuts_do_not_depend_on_where_the_walk_begins() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for kind in 0..60 {
-        let (source, around, reach) = orientation(&mut rng, kind);
-        let Ok(orientation) = Orientation::of(source) else {
+        let (given, around, reach) = orientation(&mut rng, kind);
+        let Ok(orientation) = Orientation::of(given) else {
             continue;
         };
         let over = (around, around + reach.min(1e3));
@@ -355,7 +355,7 @@ fn kept_pieces_are_those_made_anew() {
             kept += turning
                 .parts
                 .iter()
-                .filter(|part| part.source.is_cubic())
+                .filter(|part| part.given.is_cubic())
                 .count();
         }
     }

@@ -2,8 +2,8 @@
 
 use super::Orientation;
 use super::arc::Arc;
-use super::piece::Piece;
-use super::source::{Source, spin_arc};
+use super::given::{GivenRotation, spin_arc};
+use super::piece::RotationPiece;
 use super::turning::{OrientationPart, Turning};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
@@ -34,8 +34,8 @@ impl ToldSpin {
         })
     }
 
-    const fn source(&self) -> Source {
-        Source::Spin {
+    const fn given(&self) -> GivenRotation {
+        GivenRotation::Spin {
             time: self.time,
             rotation: self.rotation,
             angular_velocity: self.angular_velocity,
@@ -60,7 +60,7 @@ impl Orientation {
         if let Some(turning) = turning.filter(|turning| turning.has_one_piece_a_part()) {
             return Ok(turning.follow_spin(spin, without_negative_zero(from), since));
         }
-        let next = Self::of(spin.source())?;
+        let next = Self::of(spin.given())?;
         let both = self.followed_by(&next, from, since)?;
         let is_changed = *self != both;
         *self = both;
@@ -79,19 +79,20 @@ impl Turning {
 
     /// Returns true if each part is one piece: all of them are held, or spins.
     fn has_one_piece_a_part(&self) -> bool {
-        let is_one = |part: &OrientationPart| match part.source {
-            Source::Fixed | Source::Spin { .. } => true,
-            Source::Slerp { .. } | Source::NormalizedCubic { .. } => false,
+        let is_one = |part: &OrientationPart| match part.given {
+            GivenRotation::Fixed | GivenRotation::Spin { .. } => true,
+            GivenRotation::Slerp { .. } | GivenRotation::NormalizedCubic { .. } => false,
         };
         self.parts.len() == self.pieces.len() && self.parts.iter().all(is_one)
     }
 
     /// Does what [`Orientation::followed_by`] does, with a spin, if each part is one piece.
     fn follow_spin(&mut self, spin: &ToldSpin, from: f64, since: f64) -> bool {
-        let source = spin.source();
-        let is_followed = self.parts.last().is_some_and(|last| {
-            last.source == source && last.from.is_none_or(|begin| begin <= from)
-        });
+        let given = spin.given();
+        let is_followed = self
+            .parts
+            .last()
+            .is_some_and(|last| last.given == given && last.from.is_none_or(|begin| begin <= from));
         let until = if is_followed { f64::INFINITY } else { from };
         // They are in time order: some at the beginning go, and some at the end.
         let before = self.parts.len();
@@ -112,13 +113,10 @@ impl Turning {
         }
         if !is_followed {
             let begin = (kept > 0).then_some(from);
-            let mut piece = Piece::forever(spin.arc, self.tolerances());
+            let mut piece = RotationPiece::forever(spin.arc, self.tolerances());
             piece.start = begin.unwrap_or(f64::NEG_INFINITY);
             self.pieces.push(piece);
-            self.parts.push(OrientationPart {
-                from: begin,
-                source,
-            });
+            self.parts.push(OrientationPart { from: begin, given });
         }
         !is_followed || kept < before
     }

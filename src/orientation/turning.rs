@@ -1,8 +1,8 @@
 //! Turning motions: pieces in time order, and the cubics that stand in for them.
 
 use super::baked::BakedRotation;
-use super::piece::{Piece, set_of};
-use super::source::Source;
+use super::given::GivenRotation;
+use super::piece::{RotationPiece, set_of};
 use crate::accuracy::Accuracy;
 use crate::error::Error;
 use crate::trajectory::Outside;
@@ -16,7 +16,7 @@ pub(crate) struct Turning {
     pub(super) parts: Vec<OrientationPart>,
     /// Largest error of the cubics, relative to a point's distance, if set.
     pub(super) tolerance: Option<f64>,
-    pub(super) pieces: Vec<Piece>,
+    pub(super) pieces: Vec<RotationPiece>,
 }
 
 /// An orientation and the time from which on it is followed.
@@ -25,7 +25,7 @@ pub(crate) struct Turning {
 pub(super) struct OrientationPart {
     /// First instant, s; none for the first one.
     pub(super) from: Option<f64>,
-    pub(super) source: Source,
+    pub(super) given: GivenRotation,
 }
 
 /// An interval between neighbouring cuts of a turning motion.
@@ -69,9 +69,9 @@ impl Turning {
             let end = next.unwrap_or(f64::INFINITY);
             let known = known.iter().filter(|one| one.tolerance == tolerance);
             let kept = known
-                .filter(|_| part.source.is_cubic())
-                .find_map(|one| one.pieces_within(&part.source, (start, end)));
-            let pieces = kept.map_or_else(|| part.source.pieces(tolerances), Ok)?;
+                .filter(|_| part.given.is_cubic())
+                .find_map(|one| one.pieces_within(&part.given, (start, end)));
+            let pieces = kept.map_or_else(|| part.given.pieces(tolerances), Ok)?;
             for mut piece in pieces {
                 piece.start = piece.start.max(start);
                 piece.end = piece.end.min(end);
@@ -83,10 +83,14 @@ impl Turning {
         Ok(turning)
     }
 
-    /// Returns the pieces of a source, if it is followed at least between two instants (s).
-    fn pieces_within(&self, source: &Source, (start, end): (f64, f64)) -> Option<Vec<Piece>> {
+    /// Returns the pieces of a rotation as given, if it is followed at least between two instants (s).
+    fn pieces_within(
+        &self,
+        given: &GivenRotation,
+        (start, end): (f64, f64),
+    ) -> Option<Vec<RotationPiece>> {
         let followed = |number: usize| {
-            let part = self.parts.get(number).filter(|part| part.source == *source);
+            let part = self.parts.get(number).filter(|part| part.given == *given);
             part.and_then(|_| {
                 Self::followed_within(&self.parts, number, f64::INFINITY, f64::NEG_INFINITY)
             })
@@ -104,7 +108,7 @@ impl Turning {
     pub(super) fn with_outside(&self, outside: Outside) -> Result<Self, Error> {
         let mut parts = self.parts.clone();
         for part in &mut parts {
-            part.source.set_outside(outside);
+            part.given.set_outside(outside);
         }
         Self::of(parts, self.tolerance, &[])
     }

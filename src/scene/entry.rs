@@ -21,7 +21,7 @@ pub(crate) struct MotionSummary {
 
 impl MotionSummary {
     fn of(trajectory: &Trajectory, cache_lines: &mut [CacheLine]) -> Self {
-        let (knots, segments) = (trajectory.cuts(), trajectory.cubics());
+        let (knots, segments) = (trajectory.piece_knots(), trajectory.cubics());
         let (compact, extremes) = CompactTrajectory::write(knots, segments, cache_lines);
         let mut summary = Self {
             extremes,
@@ -52,14 +52,17 @@ impl MotionSummary {
 
 /// Returns the largest error of a piece's points, m. That of a piece beyond its segment's own interval, which is left of
 /// an end motion, is not the segment's.
-fn largest_error(cuts: &[f64], segments: &[Segment]) -> f64 {
-    let errors = segments.iter().zip(cuts.windows(2)).map(|(segment, ends)| {
-        if segment.covers(ends[0], ends[1]) {
-            segment.error()
-        } else {
-            segment.restrict(ends[0], ends[1]).error
-        }
-    });
+fn largest_error(knots: &[f64], segments: &[Segment]) -> f64 {
+    let errors = segments
+        .iter()
+        .zip(knots.windows(2))
+        .map(|(segment, ends)| {
+            if segment.covers(ends[0], ends[1]) {
+                segment.error()
+            } else {
+                segment.restrict(ends[0], ends[1]).error
+            }
+        });
     errors.fold(0.0, f64::max)
 }
 
@@ -98,7 +101,7 @@ impl CompactStorage {
 
 /// Returns the number of cache lines of a trajectory's compact form.
 fn cache_lines_for(trajectory: &Trajectory) -> usize {
-    CompactTrajectory::cache_lines(trajectory.cuts().len(), trajectory.cubics().len())
+    CompactTrajectory::cache_lines(trajectory.piece_knots().len(), trajectory.cubics().len())
 }
 
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The serialised fields of a scene.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Parts {
+pub(super) struct SerialScene {
     /// Generation and body of each slot.
     slots: Vec<(u32, Option<Body>)>,
     /// Empty slots; the last one is used next.
@@ -16,7 +16,7 @@ pub(super) struct Parts {
     ignored: Vec<(BodyId, BodyId)>,
 }
 
-impl From<Scene> for Parts {
+impl From<Scene> for SerialScene {
     fn from(scene: Scene) -> Self {
         let slots = scene.keys.iter().zip(scene.slots);
         let body = |slot: Slot| slot.entry.map(|entry| entry.body);
@@ -30,10 +30,10 @@ impl From<Scene> for Parts {
     }
 }
 
-impl TryFrom<Parts> for Scene {
+impl TryFrom<SerialScene> for Scene {
     type Error = Error;
 
-    fn try_from(parts: Parts) -> Result<Self, Error> {
+    fn try_from(parts: SerialScene) -> Result<Self, Error> {
         if u32::try_from(parts.slots.len()).is_err() {
             return Err(Error::SceneFull);
         }

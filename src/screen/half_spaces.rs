@@ -31,7 +31,7 @@ impl PreparedScene<'_> {
     /// # Errors
     ///
     /// If there are more spans in the list than the limit allows.
-    pub(super) fn meet_half_spaces<F: PairFilter>(
+    pub(super) fn compare_half_spaces<F: PairFilter>(
         &self,
         bodies: &impl Bodies,
         filter: &F,
@@ -48,14 +48,14 @@ impl PreparedScene<'_> {
             chunks.len(),
             || (),
             |(), chunk| {
-                let (mut near, mut looked_at) = (Vec::new(), 0);
+                let (mut near, mut examined) = (Vec::new(), 0);
                 for &body in chunks[chunk] {
                     for plane in &planes {
                         if filter.gives_up() {
-                            return Ok((near, looked_at));
+                            return Ok((near, examined));
                         }
                         let before = near.len();
-                        looked_at += self.meet_plane(body, plane, bodies, filter, &mut near);
+                        examined += self.compare_half_space(body, plane, bodies, filter, &mut near);
                         let more = near.len() - before;
                         if more > 0 {
                             self.limits
@@ -63,17 +63,17 @@ impl PreparedScene<'_> {
                         }
                     }
                 }
-                Ok((near, looked_at))
+                Ok((near, examined))
             },
         );
-        let mut looked_at = 0;
+        let mut examined = 0;
         for of_chunk in compared {
             let (near, count) = of_chunk?;
             found.extend(near);
-            looked_at += count;
+            examined += count;
         }
         found.sort_unstable();
-        Ok(looked_at)
+        Ok(examined)
     }
 
     fn planes<'p>(&'p self, bodies: &'p impl Bodies) -> impl Iterator<Item = Plane<'p>> {
@@ -91,7 +91,7 @@ impl PreparedScene<'_> {
 
     /// Lists the spans of the body at a place with a half-space. Returns the number of spans
     /// examined.
-    fn meet_plane<F: PairFilter>(
+    fn compare_half_space<F: PairFilter>(
         &self,
         body: u32,
         plane: &Plane<'_>,
@@ -116,14 +116,14 @@ impl PreparedScene<'_> {
         let Some((from, to)) = clip_of(&a.knots, &b.knots, self.searched()) else {
             return 0;
         };
-        let mut looked_at = 0;
+        let mut examined = 0;
         for span in spans(&a.knots, &b.knots, from, to) {
-            looked_at += 1;
+            examined += 1;
             if may_touch(a, b, span, self.margin, (from, to)) {
                 near.push(SpanKey::of((first, second), span));
             }
         }
-        looked_at
+        examined
     }
 
     fn heights(&self, place: u32, normal: DVec3) -> Option<HeightRange> {

@@ -337,7 +337,7 @@ impl PreparedScene<'_> {
     fn search<F: PairFilter>(
         &self,
         bodies: &(impl BoxedBodies + Copy),
-        cut: (&TimeSlices, &SceneStatistics),
+        slicing: (&TimeSlices, &SceneStatistics),
         (method, filter): (Method, &F),
         progress: &(impl Fn(f64) + Sync),
         screening: &mut Screening,
@@ -355,16 +355,16 @@ impl PreparedScene<'_> {
             threads: parallel::threads(),
         };
         let stats = &mut screening.stats;
-        stats.slices = u64::from(cut.0.count());
+        stats.slices = u64::from(slicing.0.count());
         let mut survivors = Vec::new();
         let found = (&mut survivors, &mut *stats);
         let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
-        let done = search.spans(cut, filter, &progress_of_slices, found);
+        let done = search.spans(slicing, filter, &progress_of_slices, found);
         let limit = self.limits.spans;
         done.map_err(|_| Error::TooCrowded { limit })?;
         let begin = Instant::now();
         if !self.half_spaces.is_empty() {
-            let met = self.meet_half_spaces(bodies, filter, &mut survivors);
+            let met = self.compare_half_spaces(bodies, filter, &mut survivors);
             stats.spans += met.map_err(|_| Error::TooCrowded { limit })?;
         }
         screening.conflicts = self.solve(bodies, &survivors, filter, progress);

@@ -66,11 +66,11 @@ impl SceneSurvey {
         let own = if motions.is_empty() {
             entry.summary().compact.ends()
         } else {
-            Knots::of(body.trajectory.cuts()).ends()
+            Knots::of(body.trajectory.piece_knots()).ends()
         };
         let (first, last) = extension.map_or(own, |extension| extension.domain);
         let beyond = extension.map_or(0, |extension| extension.before + extension.after);
-        self.cubics += body.trajectory.cuts().len().saturating_sub(1) + beyond as usize;
+        self.cubics += body.trajectory.piece_knots().len().saturating_sub(1) + beyond as usize;
         self.not_straight += usize::from(motions.is_empty());
         if !has_partner {
             self.lives[place] = (f64::INFINITY, f64::NEG_INFINITY);
@@ -83,7 +83,7 @@ impl SceneSurvey {
         }
         let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
-        let pieces = motions.iter().zip(body.trajectory.cuts().windows(2));
+        let pieces = motions.iter().zip(body.trajectory.piece_knots().windows(2));
         for (motion, ends) in pieces {
             self.count_straight(motion, (ends[0], ends[1]));
         }

@@ -140,7 +140,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
     }
 
     #[inline(always)]
-    fn piece(&self, number: usize) -> SubCubic {
+    fn sub_cubic(&self, number: usize) -> SubCubic {
         if let Some((later, first)) = self.ahead {
             if number == self.begin {
                 later.fetch(first);
@@ -148,7 +148,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
             // One more: it may go through more cubics than this one.
             later.fetch(first.wrapping_add(number - self.begin + 1));
         }
-        self.source.piece::<EXTENDED>(number)
+        self.source.sub_cubic::<EXTENDED>(number)
     }
 
     /// Adds the cubics from `next` to before `end` to a builder.
@@ -158,7 +158,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
             if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
                 next = after;
             } else {
-                builder.follow_from_start(&self.piece(next));
+                builder.follow_from_start(&self.sub_cubic(next));
                 next += 1;
             }
         }
@@ -180,7 +180,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
         } = *self;
         let knots = &source.knots;
         let (first, last) = knots.ends();
-        let mut rest = self.piece(number);
+        let mut rest = self.sub_cubic(number);
         if knots.at(number) < slice_intervals[0].from {
             rest = rest.split(slice_intervals[0].from).1;
         }
@@ -200,7 +200,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 }
             } else {
                 let head = rest;
-                let whole = self.piece(number);
+                let whole = self.sub_cubic(number);
                 let (tail, after) = whole.split(slice_interval.to.min(whole.end()));
                 rest = after;
                 let mut builder = BoundsBuilder::between(&head, &tail, slice_interval);

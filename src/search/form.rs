@@ -35,7 +35,7 @@ pub(crate) struct SliceBlock {
     pub(crate) slices: Vec<SliceBounds>,
     /// The number of a cubic of each body: the first one in the block until the body is walked, then the last one.
     /// In the next block the search for the first one begins there.
-    pieces: Vec<u32>,
+    first_cubics: Vec<u32>,
 }
 
 impl SliceBlock {
@@ -95,20 +95,23 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
         let slice_intervals = &slice_intervals_of(ends, slice_interval)[..count];
-        self.block.pieces.resize(self.sources.len(), 0);
+        self.block.first_cubics.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
-            self.look_up(number, slice_intervals);
+            self.find_first_cubic(number, slice_intervals);
         }
         for (number, &place) in present.iter().enumerate() {
             self.prefetch_knots(number + 2 * Self::AHEAD);
-            let ahead = self.look_up(number + Self::AHEAD, slice_intervals);
+            let ahead = self.find_first_cubic(number + Self::AHEAD, slice_intervals);
             let body = place as usize;
             let source = &self.sources[body];
-            let SliceBlock { slices, pieces } = &mut *self.block;
-            let first = || pieces[body] as usize;
+            let SliceBlock {
+                slices,
+                first_cubics,
+            } = &mut *self.block;
+            let first = || first_cubics[body] as usize;
             let mut put = |slice: usize, bounds| slices[slice].push(place, bounds);
             if let Some(last) = walk(source, slice_intervals, (ahead, first), &mut put) {
-                pieces[body] = short(last);
+                first_cubics[body] = short(last);
             }
         }
     }
@@ -117,7 +120,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let first = self.block.pieces[place as usize] as usize;
+            let first = self.block.first_cubics[place as usize] as usize;
             self.sources[place as usize].knots.prefetch(first, 8);
         }
     }
@@ -126,14 +129,14 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     /// of cubics that the body will use. If it will use few runs, returns its cubics for
     /// prefetching during another body's walk.
     #[inline(always)]
-    fn look_up<const MOVES: bool>(
+    fn find_first_cubic<const MOVES: bool>(
         &mut self,
         number: usize,
         slice_intervals: &[SliceInterval<MOVES>],
     ) -> Ahead<'a, C> {
         let &place = self.present.get(number)?;
         let source = &self.sources[place as usize];
-        let piece = &mut self.block.pieces[place as usize];
+        let piece = &mut self.block.first_cubics[place as usize];
         let first = cubic_before(&source.knots, slice_intervals[0].from, *piece);
         *piece = short(first);
         if !goes_in_runs(source, slice_intervals) {

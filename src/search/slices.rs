@@ -139,14 +139,14 @@ impl TimeSlices {
 
     /// Returns the first and last instant of a slice; neighbours share theirs.
     pub(crate) fn interval(&self, slice: u32) -> (f64, f64) {
-        (self.cut(slice), self.cut(slice + 1))
+        (self.boundary(slice), self.boundary(slice + 1))
     }
 
     /// Replaces the content of `ends` by the ends of some slices, s: one more than slices.
     pub(crate) fn ends(&self, slices: Range<u32>, ends: &mut Vec<f64>) {
-        let cuts = slices.start..=slices.end;
+        let boundaries = slices.start..=slices.end;
         ends.clear();
-        ends.extend(cuts.map(|index| self.cut(index)));
+        ends.extend(boundaries.map(|index| self.boundary(index)));
     }
 
     /// Returns the first and last instant of the window, s.
@@ -154,7 +154,7 @@ impl TimeSlices {
         (self.start, self.end)
     }
 
-    fn cut(&self, index: u32) -> f64 {
+    fn boundary(&self, index: u32) -> f64 {
         if index >= self.count {
             self.end
         } else {

@@ -198,7 +198,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             ..
         } = scratch;
         let pair = |pair: Candidate| Some([pair.a, pair.b].map(|at| slice.bodies[at as usize]));
-        let (mut looked_at, before) = (0, found.len());
+        let (mut examined, before) = (0, found.len());
         for some in candidates.chunks(STEP) {
             if filter.gives_up() {
                 break;
@@ -211,14 +211,14 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 margin: self.margin,
                 max_spans: self.limits.spans.saturating_sub(found.len() - before),
             };
-            looked_at += refiner.refine(&context, some, pair, found);
+            examined += refiner.refine(&context, some, pair, found);
         }
         if found.len() > self.limits.spans {
             // A span that lasts for several slices is found in each.
             sorter.sort_and_dedup(found, self.lifetimes.len());
             self.limits.check(found.len())?;
         }
-        Ok(looked_at)
+        Ok(examined)
     }
 
     /// Searches a slice, or a part of one, with many candidates per box. It is halved while the
@@ -402,11 +402,11 @@ impl SliceBlocks {
     }
 
     fn range(&self, block: u32) -> Range<u32> {
-        let cut = |block: u32| {
+        let boundary = |block: u32| {
             let slice = u64::from(self.slices) * u64::from(block) / u64::from(self.count);
             u32::try_from(slice).unwrap_or(self.slices)
         };
-        cut(block)..cut(block + 1)
+        boundary(block)..boundary(block + 1)
     }
 }
 

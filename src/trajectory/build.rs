@@ -4,7 +4,7 @@ use super::cuts::DoublingCuts;
 use super::double_double::{DoubleDouble, taylor_shift};
 use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
-use super::{Form, Outside, Segment, SegmentLists, State, Trajectory, end_cubic};
+use super::{Outside, Segment, SegmentLists, State, Storage, Trajectory, end_cubic};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, without_negative_zero};
 use glam::DVec3;
@@ -87,7 +87,7 @@ impl Trajectory {
             has_piece_after: false,
         };
         Ok(Self {
-            form: Form::Lists(lists),
+            storage: Storage::Lists(lists),
         })
     }
 
@@ -168,7 +168,7 @@ impl Trajectory {
         rules: [Outside; 2],
     ) -> Self {
         Self {
-            form: Form::Lists(SegmentLists::new(knots, segments, ends, rules)),
+            storage: Storage::Lists(SegmentLists::new(knots, segments, ends, rules)),
         }
     }
 
@@ -238,7 +238,7 @@ impl Trajectory {
         let (knot, duration) = (motion.start(), motion.duration());
         let ends = [-duration, duration].map(|step| DoublingCuts::cut(knot, step, 1));
         Self {
-            form: Form::Straight(motion, ends),
+            storage: Storage::Straight(motion, ends),
         }
     }
 }

@@ -25,9 +25,9 @@ pub(crate) struct Extension {
 }
 
 impl Trajectory {
-    /// Returns the time from the first to the last of its [cuts](Self::cuts); all of time without one.
+    /// Returns the time from the first to the last of the [knots of its pieces](Self::piece_knots); all of time without one.
     pub(crate) fn own_domain(&self) -> Window {
-        let cuts = self.cuts();
+        let cuts = self.piece_knots();
         match (cuts.first(), cuts.last()) {
             (Some(&first), Some(&last)) => Window::new(first, last).unwrap_or(Window::ALL),
             _ => Window::ALL,
@@ -139,7 +139,8 @@ impl Trajectory {
     fn cuts_after(&self, end: f64) -> DoublingCuts {
         let last = self.own_domain().end();
         // With a single knot there is no cubic: one piece is needed at least, whatever the window.
-        if self.outside_after() == Outside::Absent || !(self.cuts().len() < 2 || end >= last) {
+        if self.outside_after() == Outside::Absent || !(self.piece_knots().len() < 2 || end >= last)
+        {
             return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
@@ -168,7 +169,7 @@ impl Trajectory {
                 end.end() - end.start()
             }
         };
-        match (self.cuts(), self.knots()) {
+        match (self.piece_knots(), self.knots()) {
             (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, step, 1),
             _ => (self.own_domain().end(), step, 0),
         }
@@ -189,7 +190,7 @@ impl Pieces {
         let mut knots: Vec<f64> = plan.cuts_before(window.start()).collect();
         knots.reverse();
         let before = knots.len();
-        knots.extend_from_slice(plan.cuts());
+        knots.extend_from_slice(plan.piece_knots());
         let own = knots.len();
         knots.extend(plan.cuts_after(window.end()));
         let mut segments = vec![plan.segment_before(); before];
@@ -201,7 +202,7 @@ impl Pieces {
     /// Returns the pieces between a trajectory's knots.
     pub(crate) fn own(plan: &Trajectory) -> Self {
         Self {
-            knots: plan.cuts().to_vec(),
+            knots: plan.piece_knots().to_vec(),
             segments: match plan.straight_motions() {
                 [] => plan.cubics().to_vec(),
                 motions => motions.iter().map(StraightMotion::segment).collect(),

@@ -65,12 +65,12 @@ use std::slice::from_ref;
     serde(try_from = "serial::Numbers", into = "serial::Numbers")
 )]
 pub struct Trajectory {
-    form: Form,
+    storage: Storage,
 }
 
-/// The forms of a trajectory.
+/// How a trajectory is stored.
 #[derive(Clone, Debug)]
-enum Form {
+enum Storage {
     /// Straight motion for all time, from one state. It takes no memory beside this.
     ///
     /// The two instants (s) lie one duration of its cubic before the state, and one after it. Between them the motion
@@ -111,10 +111,10 @@ impl Trajectory {
     /// Returns the rule before the first knot.
     #[must_use]
     pub const fn outside_before(&self) -> Outside {
-        match &self.form {
-            Form::Straight(..) => Outside::Coast,
-            Form::Recent(recent) => recent.before(),
-            Form::Lists(lists) => lists.before,
+        match &self.storage {
+            Storage::Straight(..) => Outside::Coast,
+            Storage::Recent(recent) => recent.before(),
+            Storage::Lists(lists) => lists.before,
         }
     }
 
@@ -123,9 +123,9 @@ impl Trajectory {
     /// keeps its end motion.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
-        match &self.form {
-            Form::Straight(..) | Form::Recent(_) => Outside::Coast,
-            Form::Lists(lists) => lists.after,
+        match &self.storage {
+            Storage::Straight(..) | Storage::Recent(_) => Outside::Coast,
+            Storage::Lists(lists) => lists.after,
         }
     }
 
@@ -136,55 +136,55 @@ impl Trajectory {
 
     /// Returns the straight motion from one state that this is, and where its cubic begins and ends (s).
     pub(crate) const fn straight(&self) -> Option<(&StraightMotion, [f64; 2])> {
-        match &self.form {
-            Form::Straight(motion, ends) => Some((motion, *ends)),
-            Form::Recent(_) | Form::Lists(_) => None,
+        match &self.storage {
+            Storage::Straight(motion, ends) => Some((motion, *ends)),
+            Storage::Recent(_) | Storage::Lists(_) => None,
         }
     }
 
     /// Returns the knots between which its own cubics are followed, s: those of the plan, and where the cubic of
     /// a straight motion from a state begins and ends.
-    pub(crate) fn cuts(&self) -> &[f64] {
-        match &self.form {
-            Form::Straight(_, ends) => ends,
-            Form::Recent(recent) => recent.cuts(),
-            Form::Lists(lists) => &lists.knots,
+    pub(crate) fn piece_knots(&self) -> &[f64] {
+        match &self.storage {
+            Storage::Straight(_, ends) => ends,
+            Storage::Recent(recent) => recent.piece_knots(),
+            Storage::Lists(lists) => &lists.knots,
         }
     }
 
-    /// Returns the cubics of a plan between the [cuts](Self::cuts); none if there are
+    /// Returns the cubics of a plan between the [knots of its pieces](Self::piece_knots); none if there are
     /// [straight motions](Self::straight_motions).
     pub(crate) fn cubics(&self) -> &[Segment] {
-        match &self.form {
-            Form::Straight(..) | Form::Recent(_) => &[],
-            Form::Lists(lists) => &lists.segments,
+        match &self.storage {
+            Storage::Straight(..) | Storage::Recent(_) => &[],
+            Storage::Lists(lists) => &lists.segments,
         }
     }
 
-    /// Returns the straight motions between the [cuts](Self::cuts); none of a plan.
+    /// Returns the straight motions between the [knots of its pieces](Self::piece_knots); none of a plan.
     pub(crate) fn straight_motions(&self) -> &[StraightMotion] {
-        match &self.form {
-            Form::Straight(motion, _) => from_ref(motion),
-            Form::Recent(recent) => recent.motions(),
-            Form::Lists(_) => &[],
+        match &self.storage {
+            Storage::Straight(motion, _) => from_ref(motion),
+            Storage::Recent(recent) => recent.motions(),
+            Storage::Lists(_) => &[],
         }
     }
 
     /// Returns the end motion before the first knot.
     fn end_motion_before(&self) -> Segment {
-        match &self.form {
-            Form::Straight(motion, _) => motion.segment(),
-            Form::Recent(recent) => recent.motions()[0].segment(),
-            Form::Lists(lists) => lists.segments.beside()[0],
+        match &self.storage {
+            Storage::Straight(motion, _) => motion.segment(),
+            Storage::Recent(recent) => recent.motions()[0].segment(),
+            Storage::Lists(lists) => lists.segments.beside()[0],
         }
     }
 
     /// Returns the end motion after the last knot.
     fn end_motion_after(&self) -> Segment {
-        match &self.form {
-            Form::Straight(motion, _) => motion.segment(),
-            Form::Recent(recent) => recent.last().segment(),
-            Form::Lists(lists) => lists.segments.beside()[1],
+        match &self.storage {
+            Storage::Straight(motion, _) => motion.segment(),
+            Storage::Recent(recent) => recent.last().segment(),
+            Storage::Lists(lists) => lists.segments.beside()[1],
         }
     }
 
@@ -192,10 +192,10 @@ impl Trajectory {
     /// has that of its state.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
-        match &self.form {
-            Form::Straight(motion, _) => from_ref(motion.start_ref()),
-            Form::Recent(recent) => recent.knots(),
-            Form::Lists(lists) => lists.knots(),
+        match &self.storage {
+            Storage::Straight(motion, _) => from_ref(motion.start_ref()),
+            Storage::Recent(recent) => recent.knots(),
+            Storage::Lists(lists) => lists.knots(),
         }
     }
 
@@ -203,10 +203,10 @@ impl Trajectory {
     /// cubic, only the part between its knots is followed.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
-        match &self.form {
-            Form::Straight(..) => &[],
-            Form::Recent(recent) => recent.segments(),
-            Form::Lists(lists) => lists.segments(),
+        match &self.storage {
+            Storage::Straight(..) => &[],
+            Storage::Recent(recent) => recent.segments(),
+            Storage::Lists(lists) => lists.segments(),
         }
     }
 

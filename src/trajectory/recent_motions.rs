@@ -24,7 +24,7 @@ use std::sync::OnceLock;
 #[repr(C, align(64))]
 pub(super) struct RecentMotions {
     /// The knots, and the end of the first piece after the last one: one more than there are pieces.
-    cuts: [f64; Self::ROOM + 1],
+    piece_knots: [f64; Self::ROOM + 1],
     /// The cubics between the knots, for those who ask for a list of them.
     segments: OnceLock<Box<[Segment]>>,
     /// Number of pieces.
@@ -46,7 +46,7 @@ impl RecentMotions {
             return None;
         }
         let mut recent = Self {
-            cuts: [0.0; Self::ROOM + 1],
+            piece_knots: [0.0; Self::ROOM + 1],
             segments: OnceLock::new(),
             count: short(pieces),
             before: lists.before,
@@ -55,7 +55,7 @@ impl RecentMotions {
         for (motion, segment) in recent.motions.iter_mut().zip(&*lists.segments) {
             *motion = StraightMotion::of(segment)?;
         }
-        recent.cuts[..=pieces].copy_from_slice(&lists.knots);
+        recent.piece_knots[..=pieces].copy_from_slice(&lists.knots);
         let [before, after] = lists.segments.beside() else {
             return None;
         };
@@ -68,16 +68,16 @@ impl RecentMotions {
     }
 
     /// Returns the knots and the end of the first piece after the last one, s.
-    pub(super) fn cuts(&self) -> &[f64] {
-        &self.cuts[..=self.pieces()]
+    pub(super) fn piece_knots(&self) -> &[f64] {
+        &self.piece_knots[..=self.pieces()]
     }
 
     /// Returns the knots, s.
     pub(super) fn knots(&self) -> &[f64] {
-        &self.cuts[..self.pieces()]
+        &self.piece_knots[..self.pieces()]
     }
 
-    /// Returns the motions between the [cuts](Self::cuts).
+    /// Returns the motions between the [knots of its pieces](Self::piece_knots).
     pub(super) fn motions(&self) -> &[StraightMotion] {
         &self.motions[..self.pieces()]
     }
@@ -121,11 +121,11 @@ impl RecentMotions {
     ) -> LastMotion {
         let dropped = self.past(since);
         let kept = self.pieces() - dropped;
-        debug_assert!(kept < Self::ROOM && from <= self.cuts[self.pieces()]);
+        debug_assert!(kept < Self::ROOM && from <= self.piece_knots[self.pieces()]);
         if dropped > 0 {
             for place in 0..kept {
                 self.motions[place] = self.motions[dropped + place];
-                self.cuts[place] = self.cuts[dropped + place];
+                self.piece_knots[place] = self.piece_knots[dropped + place];
             }
         }
         let end = cut_after(without_negative_zero(from), motion, 1);
@@ -149,10 +149,10 @@ impl RecentMotions {
             let number = replacement.dropped + place;
             if let Some(beyond) = number.checked_sub(before) {
                 self.motions[place] = last;
-                self.cuts[place] = cut_after(last_knot, &last, beyond + 1);
+                self.piece_knots[place] = cut_after(last_knot, &last, beyond + 1);
             } else {
                 self.motions[place] = self.motions[number];
-                self.cuts[place] = self.cuts[number];
+                self.piece_knots[place] = self.piece_knots[number];
             }
         }
         self.append(replacement, from, motion);
@@ -162,8 +162,8 @@ impl RecentMotions {
     #[inline]
     fn append(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
         self.motions[replacement.kept] = *motion;
-        self.cuts[replacement.kept] = without_negative_zero(from);
-        self.cuts[replacement.kept + 1] = replacement.end;
+        self.piece_knots[replacement.kept] = without_negative_zero(from);
+        self.piece_knots[replacement.kept + 1] = replacement.end;
         self.count = short(replacement.kept + 1);
         if replacement.dropped > 0 {
             self.before = Outside::Absent;
@@ -181,7 +181,7 @@ impl RecentMotions {
         let from = without_negative_zero(from);
         // The motion so far goes on up to there, in the pieces that it is cut into.
         let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
-        let beyond = if from <= self.cuts[self.pieces()] {
+        let beyond = if from <= self.piece_knots[self.pieces()] {
             0
         } else {
             (1..).take_while(|&number| cut(number) < from).count()
@@ -208,7 +208,7 @@ impl RecentMotions {
     /// certainly be followed for all of its first piece.
     #[inline]
     pub(super) fn last_motion(&self) -> LastMotion {
-        let end = self.cuts[self.pieces()];
+        let end = self.piece_knots[self.pieces()];
         if self.last().is_near(self.last_knot(), end) {
             self.facts()
         } else {
@@ -222,7 +222,7 @@ impl RecentMotions {
             full_until: if self.pieces() < Self::ROOM {
                 f64::NEG_INFINITY
             } else {
-                self.cuts[1]
+                self.piece_knots[1]
             },
             knot: self.last_knot(),
             start: self.last().start(),
@@ -230,7 +230,7 @@ impl RecentMotions {
     }
 
     fn last_knot(&self) -> f64 {
-        self.cuts[self.pieces() - 1]
+        self.piece_knots[self.pieces() - 1]
     }
 
     /// Returns the motions in lists.
@@ -265,7 +265,7 @@ impl LastMotion {
     /// Returns true if a motion certainly [replaces](super::Trajectory::replace_checked) the last one at `from` (s),
     /// after what ended before `since` (s) is dropped. There is room, and the last motion goes on in one piece from
     /// its knot to `from`. The new motion differs from it, and its first piece lasts for all of `window`. `ends`: the
-    /// first and the last [cut](super::Trajectory::cuts), s.
+    /// first and the last [knot of its pieces](super::Trajectory::piece_knots), s.
     #[inline]
     pub(crate) fn is_replaced_by(
         &self,

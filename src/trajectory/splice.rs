@@ -3,7 +3,7 @@
 use super::cuts::DoublingCuts;
 use super::recent_motions::{LastMotion, RecentMotions};
 use super::segment_lists::{SegmentLists, count_at_front};
-use super::{Form, Outside, StraightMotion, Trajectory};
+use super::{Outside, Storage, StraightMotion, Trajectory};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
 use crate::simd::{prefetch, prefetch_first};
@@ -183,8 +183,8 @@ impl Trajectory {
             return false;
         }
         let number = self.knots().len();
-        let is_known = match &self.form {
-            Form::Recent(recent) => recent.last().check_range((last, from), number - 1),
+        let is_known = match &self.storage {
+            Storage::Recent(recent) => recent.last().check_range((last, from), number - 1),
             _ => {
                 let straight = self.end_motion_after().straight();
                 straight.check_range((last, from), number - 1)
@@ -202,7 +202,7 @@ impl Trajectory {
     /// (s) are dropped. The result is that of [`precede_by`](Self::precede_by), in this trajectory's memory.
     /// [`can_replace`](Self::can_replace) must be true.
     pub(crate) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
-        if let Form::Recent(recent) = &mut self.form
+        if let Storage::Recent(recent) = &mut self.storage
             && recent.replace(from, motion, since)
         {
             return;
@@ -210,16 +210,16 @@ impl Trajectory {
         let lists = self.as_lists();
         lists.replace(from, motion, since);
         if let Some(recent) = RecentMotions::of(lists) {
-            self.form = Form::Recent(Box::new(recent));
+            self.storage = Storage::Recent(Box::new(recent));
         }
     }
 
     /// Returns the facts that a further motion is checked against; none of a plan, or of a single motion.
     #[inline]
     pub(crate) fn last_motion(&self) -> LastMotion {
-        match &self.form {
-            Form::Recent(recent) => recent.last_motion(),
-            Form::Straight(..) | Form::Lists(_) => LastMotion::NONE,
+        match &self.storage {
+            Storage::Recent(recent) => recent.last_motion(),
+            Storage::Straight(..) | Storage::Lists(_) => LastMotion::NONE,
         }
     }
 
@@ -232,7 +232,7 @@ impl Trajectory {
         motion: &StraightMotion,
         since: f64,
     ) -> LastMotion {
-        if let Form::Recent(recent) = &mut self.form {
+        if let Storage::Recent(recent) = &mut self.storage {
             return recent.replace_checked(from, motion, since);
         }
         self.replace(from, motion, since);
@@ -243,10 +243,10 @@ impl Trajectory {
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
         is_past
-            && match &self.form {
-                Form::Straight(own, _) => own.is_same_as(motion),
-                Form::Recent(recent) => recent.last().is_same_as(motion),
-                Form::Lists(lists) => {
+            && match &self.storage {
+                Storage::Straight(own, _) => own.is_same_as(motion),
+                Storage::Recent(recent) => recent.last().is_same_as(motion),
+                Storage::Lists(lists) => {
                     let own = lists.segments.beside()[1].straight();
                     let is_same = |own: StraightMotion| own.is_same_as(motion);
                     lists.after == Outside::Coast && StraightMotion::of(&own).is_some_and(is_same)
@@ -256,20 +256,20 @@ impl Trajectory {
 
     /// Returns the lists that the trajectory is stored in, and stores it in lists if it is not yet.
     pub(super) fn as_lists(&mut self) -> &mut SegmentLists {
-        let other = match &self.form {
-            Form::Straight(motion, _) => {
+        let other = match &self.storage {
+            Storage::Straight(motion, _) => {
                 let (knot, ends) = (from_ref(motion.start_ref()), [motion.segment(); 2]);
                 Some(SegmentLists::new(knot, &[], &ends, [Outside::Coast; 2]))
             }
-            Form::Recent(recent) => Some(recent.to_lists()),
-            Form::Lists(_) => None,
+            Storage::Recent(recent) => Some(recent.to_lists()),
+            Storage::Lists(_) => None,
         };
         if let Some(other) = other {
-            self.form = Form::Lists(other);
+            self.storage = Storage::Lists(other);
         }
-        match &mut self.form {
-            Form::Lists(lists) => lists,
-            Form::Straight(..) | Form::Recent(_) => unreachable!("it was made lists"),
+        match &mut self.storage {
+            Storage::Lists(lists) => lists,
+            Storage::Straight(..) | Storage::Recent(_) => unreachable!("it was made lists"),
         }
     }
 
@@ -277,10 +277,10 @@ impl Trajectory {
     pub(crate) fn prefetch(&self) {
         /// One or two cache lines.
         const KNOTS: usize = 8;
-        match &self.form {
-            Form::Straight(_, ends) => prefetch_first(ends),
-            Form::Recent(recent) => prefetch(from_ref(&**recent)),
-            Form::Lists(lists) => {
+        match &self.storage {
+            Storage::Straight(_, ends) => prefetch_first(ends),
+            Storage::Recent(recent) => prefetch(from_ref(&**recent)),
+            Storage::Lists(lists) => {
                 prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
                 prefetch(lists.segments.beside());
                 prefetch(&lists.segments[..lists.segments.len().min(2)]);
@@ -290,7 +290,7 @@ impl Trajectory {
 
     /// Prefetches the data that dropping the trajectory reads.
     pub(crate) fn prefetch_ends(&self) {
-        if let Form::Lists(lists) = &self.form {
+        if let Storage::Lists(lists) = &self.storage {
             lists.knots.prefetch_ends();
             lists.segments.prefetch_ends();
         }
@@ -381,7 +381,7 @@ mod tests {
                 };
                 assert!(one.can_replace(now, &motion, window(now)));
                 assert!(other.can_replace(now, &motion, window(now)));
-                let cuts = one.cuts();
+                let cuts = one.piece_knots();
                 let ends = (cuts[0], cuts[cuts.len() - 1]);
                 let last = one.last_motion();
                 let is_checked = last.is_replaced_by(&motion, (now, since), ends, window(now));
@@ -401,7 +401,10 @@ mod tests {
                 other.as_lists().replace(now, &motion, since);
                 in_place += usize::from(!one.straight_motions().is_empty());
                 in_lists += usize::from(one.straight_motions().is_empty());
-                assert_eq!((one.knots(), one.cuts()), (other.knots(), other.cuts()));
+                assert_eq!(
+                    (one.knots(), one.piece_knots()),
+                    (other.knots(), other.piece_knots())
+                );
                 assert_eq!(one.segments(), other.segments());
                 assert_eq!(one.segment_after(), other.segment_after());
                 assert_eq!(one.outside_before(), other.outside_before());

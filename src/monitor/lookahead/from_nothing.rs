@@ -69,11 +69,11 @@ impl LookaheadSearch {
         let begin = Instant::now();
         let pool = &self.search_pool;
         let (bodies, statistics) = PreparedBodies::in_window(table, limits, pool, window);
-        let cut = (&bodies.slices_of_search_length(window), &statistics);
+        let slicing = (&bodies.slices_of_search_length(window), &statistics);
         work.stats.bounds_time += begin.elapsed();
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
-        bodies.list_spans(cut, admission, parallel::threads(), found)?;
+        bodies.list_spans(slicing, admission, parallel::threads(), found)?;
         if admission.gives_up() {
             return Ok(());
         }

@@ -240,7 +240,7 @@ impl LookaheadSlice {
                 self.stats.narrow_time += begin.elapsed();
                 work
             } else {
-                let work = self.look(task, scratch);
+                let work = self.find_candidates(task, scratch);
                 self.stats.broad_time += begin.elapsed();
                 work
             };
@@ -255,7 +255,7 @@ impl LookaheadSlice {
 
     /// Takes a step towards all candidates; returns the number of boxes formed. If there are too many
     /// candidates, the slice is searched from nothing, in shorter slices.
-    fn look(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
+    fn find_candidates(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
         self.candidates.clear();
         self.refined = 0;
         if let Some(from) = self.unsearched_from {

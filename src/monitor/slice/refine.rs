@@ -18,9 +18,9 @@ impl LookaheadSlice {
         let prepared = PreparedBodies::of(*bodies, task.limits, task.pool);
         let before = self.stats.boxes;
         let slices = prepared.slices_of_search_length((from, end));
-        let cut = (&slices, &prepared.statistics((from, end)));
+        let slicing = (&slices, &prepared.statistics((from, end)));
         let found = (&mut self.survivors, &mut self.stats);
-        let done = prepared.list_spans(cut, filter, 1, found);
+        let done = prepared.list_spans(slicing, filter, 1, found);
         self.is_crowded |= done.is_err();
         if !filter.gives_up() {
             self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);

@@ -33,7 +33,7 @@ impl SpheresOverPart<'_> {
             near,
             candidates,
             nearest,
-            motions,
+            seen_motions,
             ..
         } = scratch;
         nearest.clear();
@@ -44,8 +44,8 @@ impl SpheresOverPart<'_> {
         nearest.sort_unstable();
         nearest.dedup();
         if nearest.len() > 1 && !self.whole.turns() {
-            motions.clear();
-            nearest.retain(|&spheres| motions.insert(self.motion_of(spheres)));
+            seen_motions.clear();
+            nearest.retain(|&spheres| seen_motions.insert(self.motion_key(spheres)));
         }
     }
 

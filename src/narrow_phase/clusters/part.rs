@@ -50,9 +50,9 @@ pub(super) struct PartScratch {
     /// Pairs of spheres that may be the nearest ones at some time.
     pub(super) nearest: Vec<(u32, u32)>,
     /// Pairs of spheres that are solved.
-    pub(super) solved: Vec<(Motion, (u32, u32))>,
+    pub(super) solved: Vec<(MotionKey, (u32, u32))>,
     /// Motions of the pairs in `nearest`.
-    pub(super) motions: HashSet<Motion>,
+    pub(super) seen_motions: HashSet<MotionKey>,
 }
 
 /// Relative motion of two spheres in an interval.
@@ -66,7 +66,7 @@ pub(super) struct RelativeWay {
 }
 
 /// Bits that tell motions of pairs of spheres apart: those alike have the same distance all the time.
-pub(super) type Motion = [u64; 5];
+pub(super) type MotionKey = [u64; 5];
 
 impl Interval {
     /// Returns true if a body turns.
@@ -168,7 +168,7 @@ impl<'a> SpheresOverPart<'a> {
     }
 
     /// Returns the motion of two spheres: offset and radii if neither body turns, else their numbers.
-    pub(super) fn motion_of(&self, (a, b): (u32, u32)) -> Motion {
+    pub(super) fn motion_key(&self, (a, b): (u32, u32)) -> MotionKey {
         if self.whole.turns() {
             return [a.into(), b.into(), 0, 0, 0];
         }

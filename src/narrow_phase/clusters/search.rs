@@ -6,7 +6,7 @@
 
 use super::candidates::{SphereCandidate, remove_behind};
 use super::near::{NearSpheres, Way};
-use super::part::{Interval, Motion, PartScratch, SpheresOverPart};
+use super::part::{Interval, MotionKey, PartScratch, SpheresOverPart};
 use super::proven::{BoundedPiece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
@@ -19,7 +19,7 @@ pub(super) trait Question {
     /// Solves a pair of spheres.
     fn solve(&mut self, pair: &SpherePair);
     /// Notes that two spheres come as near as this at some time of the part, m. Returns false if that tells nothing.
-    fn note_reached(&mut self, separation: f64) -> bool;
+    fn note_upper_bound(&mut self, separation: f64) -> bool;
 }
 
 /// Asks for the pairs that may come nearer than `reached`, m; `solve` returns its new value.
@@ -42,7 +42,7 @@ impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
         self.reached = self.reached.min((self.solve)(pair));
     }
 
-    fn note_reached(&mut self, separation: f64) -> bool {
+    fn note_upper_bound(&mut self, separation: f64) -> bool {
         if self.is_whole {
             // The error counts twice: the nearest spheres may be farther apart by it, and others nearer by it.
             let reached = widened(widened(separation, self.model_error), self.model_error);
@@ -70,7 +70,7 @@ impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuesti
         self.proven.learn(self.found);
     }
 
-    fn note_reached(&mut self, _: f64) -> bool {
+    fn note_upper_bound(&mut self, _: f64) -> bool {
         false
     }
 }
@@ -109,7 +109,7 @@ struct Search<'s, 'a, Q> {
     slack: f64,
     candidates: &'s mut Vec<SphereCandidate>,
     /// Pairs of spheres that are solved.
-    solved: &'s mut Vec<(Motion, (u32, u32))>,
+    solved: &'s mut Vec<(MotionKey, (u32, u32))>,
 }
 
 impl<Q: Question> Search<'_, '_, Q> {
@@ -132,7 +132,7 @@ impl<Q: Question> Search<'_, '_, Q> {
         let facing = near.facing();
         if self.bound(interval) == f64::INFINITY {
             let least = part.least_of_some(interval, near, facing.1, Way::separation_reached);
-            if !self.question.note_reached(least + self.slack) {
+            if !self.question.note_upper_bound(least + self.slack) {
                 self.solve_if_near(interval, &part.candidate(interval, facing));
             }
         }
@@ -214,7 +214,7 @@ impl<Q: Question> Search<'_, '_, Q> {
     /// Solves two spheres, unless they or first ones with the same motion are solved. Of ties, the first spheres are
     /// reported.
     fn solve_once(&mut self, spheres: (u32, u32)) {
-        let motion = self.part.motion_of(spheres);
+        let motion = self.part.motion_key(spheres);
         let mut solved = self.solved.iter();
         if !solved.any(|&(other, first)| other == motion && first <= spheres) {
             self.solved.push((motion, spheres));

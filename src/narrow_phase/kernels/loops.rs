@@ -11,7 +11,7 @@
 
 use super::batch::Lanes;
 use super::certificate::{Guess, certify, guess};
-use super::rival::{self, certify_against, contest, guess_against_rival};
+use super::rival::{self, certify_against, choose_minimum, guess_against_rival};
 use crate::blossom::ControlPolygon;
 use crate::enclosure::{
     DistanceEnclosure, Minorant, enclosure, from_nearer, part_error, reversed, split, target,
@@ -305,10 +305,10 @@ for_each_instruction_set! {
         let certificates = &mut certificates[..count];
         block.outline_cubics(count);
         for i in 0..count {
-            let contest = contest(&block.outline(i), block.firsts[i], block.doubts[i]);
-            block.times[i] = contest.start;
-            block.rivals[i] = contest.rival;
-            block.stays[i] = contest.stays;
+            let choose_minimum = choose_minimum(&block.outline(i), block.firsts[i], block.doubts[i]);
+            block.times[i] = choose_minimum.start;
+            block.rivals[i] = choose_minimum.rival;
+            block.stays[i] = choose_minimum.stays;
         }
         for i in 0..count {
             block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);

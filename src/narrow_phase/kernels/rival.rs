@@ -40,19 +40,19 @@ pub(super) struct MinimumChoice {
 pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Guess<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
     let outline = outline::<R>(cubic.rough().coefficients);
-    let contest = contest(&outline, first.settled.time.to_f32(), first.settled.doubt);
-    if contest.stays > 1.0 {
+    let choose_minimum = choose_minimum(&outline, first.settled.time.to_f32(), first.settled.doubt);
+    if choose_minimum.stays > 1.0 {
         return first;
     }
-    let settled = if contest.stays > 0.0 {
+    let settled = if choose_minimum.stays > 0.0 {
         first.settled
     } else {
-        again(&cubic, &outline, contest.start)
+        again(&cubic, &outline, choose_minimum.start)
     };
     let time = settled.time.to_f32();
     Guess {
         settled,
-        certificate: certify_against(&outline, time, contest.rival, settled.doubt),
+        certificate: certify_against(&outline, time, choose_minimum.rival, settled.doubt),
     }
 }
 
@@ -70,7 +70,11 @@ fn again<R: Real>(
 /// First stage: chooses the minimum that is the better guess, and tells whether it is the first
 /// guess. `doubt` is that of the first guess.
 #[inline(always)]
-pub(super) fn contest(outline: &LaneSquaredDistance, first: f32, doubt: f32) -> MinimumChoice {
+pub(super) fn choose_minimum(
+    outline: &LaneSquaredDistance,
+    first: f32,
+    doubt: f32,
+) -> MinimumChoice {
     let remainder = DeflatedRemainder::new(outline, first);
     let least = remainder.least_point(remainder.lowest_sample());
     let rival = remainder.deflated.sign * least;
@@ -97,7 +101,7 @@ pub(super) fn certify_against(
 ) -> f32 {
     let remainder = DeflatedRemainder::new(outline, u);
     let rival = remainder.deflated.sign * rival;
-    let (low, high) = cut(
+    let (low, high) = split(
         remainder.bernstein(),
         0.5 * (remainder.least_point(rival) + 1.0),
     );
@@ -208,7 +212,7 @@ impl DeflatedRemainder {
 
 /// Returns the Bernstein coefficients on both sides of a local time 0..=1.
 #[inline(always)]
-fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
+fn split(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
     let t = 1.0 - s;
     let mut left = k;
     let mut right = k;
@@ -228,9 +232,9 @@ fn cut(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
 /// Returns the least coefficient on the four quarters of a piece.
 #[inline(always)]
 fn least_of_quarters(k: [f32; 6]) -> f32 {
-    let (low, high) = cut(k, 0.5);
-    let (a, b) = cut(low, 0.5);
-    let (c, d) = cut(high, 0.5);
+    let (low, high) = split(k, 0.5);
+    let (a, b) = split(low, 0.5);
+    let (c, d) = split(high, 0.5);
     (least(a).or_less(least(b))).or_less(least(c).or_less(least(d)))
 }
 

@@ -1,6 +1,6 @@
 //! Rotations in arithmetic of 200 bits.
 
-use crate::orientation::source::Source;
+use crate::orientation::given::GivenRotation;
 use crate::trajectory::Outside;
 use dashu::float::FBig;
 use dashu::float::round::mode::HalfEven;
@@ -49,7 +49,7 @@ pub(super) fn unit(q: &BigQuaternion) -> BigQuaternion {
     scaled(q, &(big(1.0) / dot(q, q).sqrt()))
 }
 
-pub(super) fn given(q: DQuat) -> BigQuaternion {
+pub(super) fn as_given(q: DQuat) -> BigQuaternion {
     unit(&q.to_array().map(big))
 }
 
@@ -75,7 +75,7 @@ pub(super) fn arc(from: &BigQuaternion, to: &BigQuaternion) -> ([Big; 3], Big, B
 pub(super) fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
     let mut found: Vec<(Big, BigQuaternion)> = Vec::new();
     for &(time, rotation) in knots {
-        let mut rotation = given(rotation);
+        let mut rotation = as_given(rotation);
         if let Some((_, before)) = found.last()
             && dot(before, &rotation) < big(0.0)
         {
@@ -87,10 +87,10 @@ pub(super) fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
 }
 
 /// Returns the exact rotation at an instant, not normalised.
-pub(super) fn exact(source: &Source, time: &Big) -> BigQuaternion {
-    match source {
-        Source::Fixed => [0.0, 0.0, 0.0, 1.0].map(big),
-        Source::Spin {
+pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
+    match given {
+        GivenRotation::Fixed => [0.0, 0.0, 0.0, 1.0].map(big),
+        GivenRotation::Spin {
             time: at,
             rotation,
             angular_velocity,
@@ -99,9 +99,9 @@ pub(super) fn exact(source: &Source, time: &Big) -> BigQuaternion {
             let [x, y, z] = &velocity;
             let speed = (x * x + y * y + z * z).sqrt();
             let half = &speed * (time - big(*at)) / big(2.0);
-            product(&about(velocity, &speed, &half), &given(*rotation))
+            product(&about(velocity, &speed, &half), &as_given(*rotation))
         }
-        Source::Slerp {
+        GivenRotation::Slerp {
             knots: own,
             outside,
         } => {
@@ -120,7 +120,7 @@ pub(super) fn exact(source: &Source, time: &Big) -> BigQuaternion {
             let (axis, length, half) = arc(from, to);
             product(&about(axis, &length, &(half * share)), from)
         }
-        Source::NormalizedCubic {
+        GivenRotation::NormalizedCubic {
             knots: own,
             outside,
         } => {

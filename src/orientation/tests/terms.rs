@@ -19,23 +19,23 @@ fn off(place: &[Big; 3], other: &[Big; 3]) -> f64 {
 
 /// Checks that the axes of a body are within the error of their cubics, which do not round them.
 /// Returns the largest error found over the bound.
-fn check(baked: &BakedRotation, (start, end): (f64, f64), source: &Source) -> f64 {
+fn check(baked: &BakedRotation, (start, end): (f64, f64), given: &GivenRotation) -> f64 {
     let mut closest = 0.0_f64;
     for axis in DVec3::AXES {
         let points = baked.way(axis);
         for step in 0..=2 {
             let s = big(f64::from(step) / 2.0);
             let time = big(start) + &s * (big(end) - big(start));
-            let off = off(&turned(&exact(source, &time), axis), &on_cubic(&points, &s));
-            assert!(off <= baked.error(), "{off} {} {source:?}", baked.error());
+            let off = off(&turned(&exact(given, &time), axis), &on_cubic(&points, &s));
+            assert!(off <= baked.error(), "{off} {} {given:?}", baked.error());
             closest = closest.max(off / baked.error());
         }
     }
     closest
 }
 
-fn spin(rng: &mut ChaCha8Rng, speed: f64) -> Source {
-    Source::Spin {
+fn spin(rng: &mut ChaCha8Rng, speed: f64) -> GivenRotation {
+    GivenRotation::Spin {
         time: 0.0,
         rotation: rotation(rng),
         angular_velocity: vector(rng, speed),
@@ -49,19 +49,19 @@ fn rounding_of_spins() {
     for time in [0.0, 1e6] {
         let mut closest = 0.0_f64;
         for _ in 0..50 {
-            let source = spin(&mut rng, 1.0);
-            let Source::Spin {
+            let given = spin(&mut rng, 1.0);
+            let GivenRotation::Spin {
                 rotation,
                 angular_velocity,
                 ..
-            } = source
+            } = given
             else {
                 unreachable!()
             };
             let unit = rotation * (1.0 / rotation.length());
             let arc = Arc::spin(0.0, unit, angular_velocity);
             let ends = (time, time + 1e-6);
-            closest = closest.max(check(&arc.bake(ends, 1.0), ends, &source));
+            closest = closest.max(check(&arc.bake(ends, 1.0), ends, &given));
         }
         assert!(closest > 1e-3, "{time} {closest}");
     }
@@ -77,12 +77,12 @@ fn rounding_of_what_goes_on() {
         let turn = DQuat::from_scaled_axis(vector(&mut rng, angle));
         let knots = vec![(0.0, first), (1.0, (turn * first).normalize())];
         let outside = Outside::Coast;
-        let source = if kind % 2 == 0 {
-            Source::Slerp { knots, outside }
+        let given = if kind % 2 == 0 {
+            GivenRotation::Slerp { knots, outside }
         } else {
-            Source::NormalizedCubic { knots, outside }
+            GivenRotation::NormalizedCubic { knots, outside }
         };
-        let orientation = Orientation::of(source.clone()).unwrap();
+        let orientation = Orientation::of(given.clone()).unwrap();
         let orientation = orientation.with_tolerance(0.1).unwrap();
         let turning = orientation.turning().unwrap();
         let time = [1e4, 3e5, 4e7][kind / 6 % 3];
@@ -91,7 +91,7 @@ fn rounding_of_what_goes_on() {
         let mut ends = (cell.start.max(time - 1.0), cell.end.min(time + 1.0));
         ends.1 = ends.1.min(ends.0 + 1e-3 / angle);
         let baked = turning.pieces[2].bake(ends, 1.0);
-        check(&baked, ends, &source);
+        check(&baked, ends, &given);
     }
 }
 
@@ -108,17 +108,17 @@ fn rounding_of_cubics_of_quaternions() {
             let turn = DQuat::from_scaled_axis(vector(&mut rng, near));
             (at, (turn * first).normalize())
         });
-        let source = Source::NormalizedCubic {
+        let given = GivenRotation::NormalizedCubic {
             knots: knots.collect(),
             outside: Outside::Absent,
         };
-        let orientation = Orientation::of(source.clone()).unwrap();
+        let orientation = Orientation::of(given.clone()).unwrap();
         let turning = orientation.turning().unwrap();
         let cell = turning.cell_at(0.99 * at, Accuracy::Certified);
         check(
             &turning.bake(&cell, Accuracy::Certified),
             (cell.start, cell.end),
-            &source,
+            &given,
         );
     }
 }
@@ -187,8 +187,8 @@ fn enlarged_spheres_are_within_reach() {
     let mut rng = ChaCha8Rng::seed_from_u64(26);
     let (mut unknown, mut closest) = (0, 0.0_f64);
     for kind in 0..600 {
-        let (source, around, reach) = orientation(&mut rng, kind);
-        let Ok(orientation) = Orientation::of(source) else {
+        let (given, around, reach) = orientation(&mut rng, kind);
+        let Ok(orientation) = Orientation::of(given) else {
             continue;
         };
         let tolerance = [0.1, 1e-3, 1e-9][kind % 3];

@@ -1,7 +1,7 @@
 //! Orientations as they are given, and the checks on them.
 
 use super::arc::{Arc, angle_within};
-use super::piece::{Piece, RotationCurve};
+use super::piece::{RotationCurve, RotationPiece};
 use super::quaternion_cubic::QuaternionCubic;
 use crate::error::{Error, Quantity};
 use crate::rounding::{norm, without_negative_zero};
@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 /// An orientation as it was given.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum Source {
+pub(super) enum GivenRotation {
     Fixed,
     Spin {
         time: f64,
@@ -31,7 +31,7 @@ pub(super) enum Source {
 /// Largest angular speed, rad/s: more than 150,000 revolutions per second.
 const MAX_SPEED: f64 = 1e6;
 
-impl Source {
+impl GivenRotation {
     /// Sets the rule for the time outside the knots, if there are knots.
     pub(super) fn set_outside(&mut self, rule: Outside) {
         match self {
@@ -46,16 +46,19 @@ impl Source {
     }
 
     /// Returns the pieces for all time, in time order, cut for these tolerances.
-    pub(super) fn pieces(&self, tolerances: [f64; 2]) -> Result<Vec<Piece>, Error> {
+    pub(super) fn pieces(&self, tolerances: [f64; 2]) -> Result<Vec<RotationPiece>, Error> {
         match self {
-            Self::Fixed => Ok(vec![Piece::forever(Arc::held(DQuat::IDENTITY), tolerances)]),
+            Self::Fixed => Ok(vec![RotationPiece::forever(
+                Arc::held(DQuat::IDENTITY),
+                tolerances,
+            )]),
             Self::Spin {
                 time,
                 rotation,
                 angular_velocity,
             } => {
                 let arc = spin_arc(*time, *rotation, *angular_velocity)?;
-                Ok(vec![Piece::forever(arc, tolerances)])
+                Ok(vec![RotationPiece::forever(arc, tolerances)])
             }
             Self::Slerp { knots, outside } => {
                 let knots = checked_knots(knots)?;
@@ -66,8 +69,9 @@ impl Source {
                 let arcs: Vec<Arc> = arcs.collect();
                 let ends = [arcs.first(), arcs.last()].map(|arc| arc.copied());
                 let turn = arcs.iter().zip(knots.windows(2)).map(|(arc, ends)| {
-                    let counts = tolerances.map(|share| parts(arc.angle / angle_within(share)));
-                    Piece::between((ends[0].0, ends[1].0), RotationCurve::Arc(*arc), counts)
+                    let counts =
+                        tolerances.map(|share| part_count(arc.angle / angle_within(share)));
+                    RotationPiece::between((ends[0].0, ends[1].0), RotationCurve::Arc(*arc), counts)
                 });
                 Ok(with_ends(
                     turn.collect(),
@@ -86,13 +90,13 @@ impl Source {
                         let found = cubic.parts_within(tolerance);
                         *count = found.ok_or(Error::RotationVanishes { knot: number + 1 })?;
                     }
-                    Ok(Piece::between(
+                    Ok(RotationPiece::between(
                         cubic.ends,
                         RotationCurve::Cubic(Box::new(*cubic)),
                         counts,
                     ))
                 });
-                let turn = turn.collect::<Result<Vec<Piece>, Error>>()?;
+                let turn = turn.collect::<Result<Vec<RotationPiece>, Error>>()?;
                 let ends = [
                     cubics.first().map(|cubic| going_on(cubic, 0)),
                     cubics.last().map(|cubic| going_on(cubic, 1)),
@@ -131,12 +135,12 @@ fn going_on(cubic: &QuaternionCubic, end: usize) -> Arc {
 /// Adds what comes before and after the knots: the rotation there is held, or goes on at the rate
 /// of the first and last piece.
 fn with_ends(
-    turn: Vec<Piece>,
+    turn: Vec<RotationPiece>,
     knots: &[(f64, DQuat)],
     rates: [Option<Arc>; 2],
     outside: Outside,
     tolerances: [f64; 2],
-) -> Vec<Piece> {
+) -> Vec<RotationPiece> {
     let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
         return turn;
     };
@@ -147,7 +151,7 @@ fn with_ends(
             }
             _ => Arc::held(rotation),
         };
-        Piece::forever(arc, tolerances)
+        RotationPiece::forever(arc, tolerances)
     };
     let (mut before, mut after) = (end(first, rates[0]), end(last, rates[1]));
     (before.end, after.start) = (first.0, last.0);
@@ -164,7 +168,7 @@ fn with_ends(
     clippy::cast_sign_loss,
     reason = "half a turn has some hundred parts at most"
 )]
-fn parts(share: f64) -> u32 {
+fn part_count(share: f64) -> u32 {
     share.ceil().max(1.0) as u32
 }
 
