@@ -17,7 +17,7 @@ use crate::real::Real;
 
 /// Units of rounding of the deflated coefficients (the derivation is in the documentation of
 /// `kernels`).
-const MARGIN: f32 = 40.0;
+const TOLERANCE: f32 = 40.0;
 
 /// Squares of the distance above this are large enough for the test whether a pair is at rest.
 const STILL: f32 = 1e-10;
@@ -28,7 +28,7 @@ pub(crate) struct LaneSquaredDistance {
     pub(crate) square: [f32; 7],
     /// Threshold of the least deflated coefficient: minus infinity if nothing moves, infinity if
     /// squares may have left the range.
-    pub(crate) margin: f32,
+    pub(crate) tolerance: f32,
 }
 
 /// A refined guess without its certificate.
@@ -38,13 +38,13 @@ pub(crate) struct RefinedGuess<R> {
     pub(crate) time: R,
     /// 64 times the squared distance there.
     pub(crate) square: R,
-    /// Factor on the margin of the certificate: 1, or infinity if the refinement has not settled.
-    pub(crate) doubt: f32,
+    /// Factor on the tolerance of the certificate: 1, or infinity if the refinement has not settled.
+    pub(crate) tolerance_factor: f32,
 }
 
 /// First stage: returns the squared distance of a cubic rounded from the type `R`.
 #[inline(always)]
-pub(crate) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
+pub(crate) fn squared_distance<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
     let [c0, c1, c2, c3] = coefficients;
     let (s0, s1, s2, s3) = (dot(c0, c0), dot(c1, c1), dot(c2, c2), dot(c3, c3));
     let square = [
@@ -57,15 +57,15 @@ pub(crate) fn outline<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDis
         s3,
     ];
     let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
-    let margin = MARGIN * f32::ROUNDING * size + f32::UNDERFLOW;
+    let tolerance = TOLERANCE * f32::ROUNDING * size + f32::UNDERFLOW;
     let is_served = size < R::MOST;
-    let margin = if is_served { margin } else { f32::INFINITY };
+    let tolerance = if is_served { tolerance } else { f32::INFINITY };
     // A pair at rest but for rounding is as near at any time.
     let rounding = R::ROUNDING.to_f32();
     let still = ((s1 + s2 + s3) * (1.0 / (rounding * rounding)) <= s0) & (s0 > STILL) & is_served;
     LaneSquaredDistance {
         square,
-        margin: if still { -f32::INFINITY } else { margin },
+        tolerance: if still { -f32::INFINITY } else { tolerance },
     }
 }
 
@@ -202,7 +202,7 @@ pub(crate) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> 
     arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
 }
 
-/// Second part of the fourth stage: returns the target of a Halley step, and the doubt about it.
+/// Second part of the fourth stage: returns the target of a Halley step, and the factor on its tolerance.
 #[inline(always)]
 pub(crate) fn arrive<R: Real>(
     cubic: &CentredCubic<R>,
@@ -222,11 +222,11 @@ pub(crate) fn arrive<R: Real>(
     RefinedGuess {
         time,
         square,
-        doubt: if settled { 1.0 } else { f32::INFINITY },
+        tolerance_factor: if settled { 1.0 } else { f32::INFINITY },
     }
 }
 
-/// Returns a time after one more step in the type of the lanes, without a doubt: for a guess that
+/// Returns a time after one more step in the type of the lanes, without a tolerance: for a guess that
 /// `f32` cannot bring near enough.
 #[inline(always)]
 pub(crate) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {

@@ -3,7 +3,7 @@
 use super::cubic::{
     CentredCubic, ControlPoints, coordinates, distance, largest_coordinate, local_time,
 };
-use super::{descend, halley_step, long_step, lowest_sample, outline, polish, settle};
+use super::{descend, halley_step, long_step, lowest_sample, polish, settle, squared_distance};
 use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::normalising_power;
@@ -17,7 +17,7 @@ pub(crate) const THOROUGH: u32 = 10;
 /// least. Not proven.
 pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
     let cubic = CentredCubic::new(coordinates(points));
-    let square = outline::<f64>(cubic.rough().coefficients).square;
+    let square = squared_distance::<f64>(cubic.rough().coefficients).square;
     let rough = descend(&square, lowest_sample(&square), f64::STEPS);
     local_time(settle(&cubic, polish(&cubic, f64::from(rough))).time)
 }

@@ -9,14 +9,14 @@
 //! point is lower, but for the residual slope, which is of the order of the rounding.
 
 use crate::guess::{
-    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend, lowest_sample,
-    outline, settle,
+    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend, lowest_sample, settle,
+    squared_distance,
 };
 use crate::real::Real;
 
-/// Rounding of the slope, as a part of the [margin](LaneSquaredDistance) (the derivation is in the
+/// Rounding of the slope, as a part of the [tolerance](LaneSquaredDistance) (the derivation is in the
 /// documentation of `kernels`).
-const SLOPE_MARGIN: f32 = 0.75;
+const SLOPE_TOLERANCE: f32 = 0.75;
 
 /// A guessed closest approach.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +30,17 @@ pub(super) struct Guess<R> {
 #[inline(always)]
 pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
-    let outline = outline::<R>(cubic.rough().coefficients);
-    let start = lowest_sample(&outline.square);
-    let rough = descend(&outline.square, start, R::STEPS);
+    let squared_distance = squared_distance::<R>(cubic.rough().coefficients);
+    let start = lowest_sample(&squared_distance.square);
+    let rough = descend(&squared_distance.square, start, R::STEPS);
     let settled = settle(&cubic, R::from_f64(f64::from(rough)));
     Guess {
         settled,
-        certificate: certify(&outline, settled.time.to_f32(), settled.doubt),
+        certificate: certify(
+            &squared_distance,
+            settled.time.to_f32(),
+            settled.tolerance_factor,
+        ),
     }
 }
 
@@ -53,9 +57,9 @@ pub(super) struct Deflated {
 }
 
 impl Deflated {
-    /// Returns the quartic at a guess. `margin` is that of [`LaneSquaredDistance`].
+    /// Returns the quartic at a guess. `tolerance` is that of [`LaneSquaredDistance`].
     #[inline(always)]
-    pub(super) fn new(square: &[f32; 7], u: f32, margin: f32) -> Self {
+    pub(super) fn new(square: &[f32; 7], u: f32, tolerance: f32) -> Self {
         let [_, a1, a2, a3, a4, a5, a6] = *square;
         // The first division by (u - u*), then the second.
         let b4 = a5 + u * a6;
@@ -76,7 +80,7 @@ impl Deflated {
         let sign = 1.0_f32.copysign(-u);
         Self {
             quartic: [q0, sign * q1, q2, sign * q3, q4],
-            inward: (inward - SLOPE_MARGIN * margin).or_more(0.0),
+            inward: (inward - SLOPE_TOLERANCE * tolerance).or_more(0.0),
             sign,
         }
     }
@@ -84,12 +88,16 @@ impl Deflated {
 
 /// Returns a positive number if the quartic is certainly positive on both halves of the span.
 #[inline(always)]
-pub(super) fn certify(outline: &LaneSquaredDistance, u: f32, doubt: f32) -> f32 {
+pub(super) fn certify(
+    squared_distance: &LaneSquaredDistance,
+    u: f32,
+    tolerance_factor: f32,
+) -> f32 {
     let Deflated {
         quartic: [q0, q1, q2, q3, q4],
         inward,
         ..
-    } = Deflated::new(&outline.square, u, outline.margin);
+    } = Deflated::new(&squared_distance.square, u, squared_distance.tolerance);
     // Bernstein coefficients from the middle outward, to both sides at once.
     let even = [q0 + (1.0 / 6.0) * q2, q0 + 0.5 * q2, q0 + (q2 + q4)];
     let odd = [0.25 * q1, 0.5 * q1, 0.75 * q1 + 0.25 * q3, q1 + q3];
@@ -122,5 +130,5 @@ pub(super) fn certify(outline: &LaneSquaredDistance, u: f32, doubt: f32) -> f32 
     let least = (beside_high.or_less(beside_low))
         .or_less(h3.or_less(h4))
         .or_less(second.or_less(l3));
-    least - outline.margin * doubt
+    least - squared_distance.tolerance * tolerance_factor
 }

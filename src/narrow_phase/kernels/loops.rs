@@ -19,7 +19,7 @@ use crate::enclosure::{
 use crate::guess::{
     CentredCubic, ControlPoints, HalleyStep, LaneSquaredDistance, Vector, arrive, coordinates,
     descend, descend_safely, distance, dot, halley_step, largest_of, local_time, lowest_sample,
-    outline, polish, polygon, settle,
+    polish, polygon, settle, squared_distance,
 };
 use crate::real::Real;
 use crate::simd::{InstructionSet, for_each_instruction_set};
@@ -36,11 +36,11 @@ pub(super) struct LaneBlock<R> {
     cubics: Columns<R>,
     rough: Columns<f32>,
     squares: [[f32; BLOCK]; 7],
-    margins: [f32; BLOCK],
+    tolerances: [f32; BLOCK],
     times: [f32; BLOCK],
     /// Slopes, steps and errors of Halley's method.
     steps: [[R; BLOCK]; 3],
-    doubts: [f32; BLOCK],
+    tolerance_factors: [f32; BLOCK],
     /// Second try: the times of the first try, and the fields of [`rival::MinimumChoice`].
     firsts: [f32; BLOCK],
     rivals: [f32; BLOCK],
@@ -53,10 +53,10 @@ impl<R: Real> LaneBlock<R> {
             cubics: [[[R::default(); BLOCK]; 3]; 4],
             rough: [[[0.0; BLOCK]; 3]; 4],
             squares: [[0.0; BLOCK]; 7],
-            margins: [0.0; BLOCK],
+            tolerances: [0.0; BLOCK],
             times: [0.0; BLOCK],
             steps: [[R::default(); BLOCK]; 3],
-            doubts: [0.0; BLOCK],
+            tolerance_factors: [0.0; BLOCK],
             firsts: [0.0; BLOCK],
             rivals: [0.0; BLOCK],
             stays: [0.0; BLOCK],
@@ -64,10 +64,10 @@ impl<R: Real> LaneBlock<R> {
     }
 
     #[inline(always)]
-    fn outline(&self, i: usize) -> LaneSquaredDistance {
+    fn squared_distance(&self, i: usize) -> LaneSquaredDistance {
         LaneSquaredDistance {
             square: self.square(i),
-            margin: self.margins[i],
+            tolerance: self.tolerances[i],
         }
     }
 
@@ -85,7 +85,7 @@ impl<R: Real> LaneBlock<R> {
             for i in 0..count {
                 let cubic = CentredCubic::new(lanes.control_points(i));
                 set(&mut self.cubics, i, &cubic.coefficients);
-                self.set_outline(i, &outline::<R>(cubic.rough().coefficients));
+                self.set_square(i, &squared_distance::<R>(cubic.rough().coefficients));
             }
             return;
         }
@@ -93,12 +93,12 @@ impl<R: Real> LaneBlock<R> {
             let cubic = CentredCubic::new(lanes.control_points(i));
             set(&mut self.cubics, i, &cubic.coefficients);
         }
-        self.outline_cubics(count);
+        self.expand_cubics(count);
     }
 
     /// Computes the squared distances of the cubics.
     #[inline(always)]
-    fn outline_cubics(&mut self, count: usize) {
+    fn expand_cubics(&mut self, count: usize) {
         let count = count.min(BLOCK);
         // A loop that converts and computes would be as wide as the wider type.
         for (rough, column) in self
@@ -112,11 +112,11 @@ impl<R: Real> LaneBlock<R> {
             }
         }
         for i in 0..count {
-            self.set_outline(i, &outline::<R>(get(&self.rough, i)));
+            self.set_square(i, &squared_distance::<R>(get(&self.rough, i)));
         }
     }
 
-    /// Copies the cubic, the time and the doubt of a pair of another block.
+    /// Copies the cubic, the time and the factor on the tolerance of a pair of another block.
     #[inline(always)]
     pub(super) fn take(&mut self, i: usize, from: &Self, place: usize) {
         for (column, other) in self.cubics.iter_mut().zip(&from.cubics) {
@@ -125,7 +125,7 @@ impl<R: Real> LaneBlock<R> {
             }
         }
         self.firsts[i] = from.times[place];
-        self.doubts[i] = from.doubts[place];
+        self.tolerance_factors[i] = from.tolerance_factors[place];
     }
 
     /// Returns true if the second try kept the guess of the first.
@@ -135,13 +135,13 @@ impl<R: Real> LaneBlock<R> {
     }
 
     #[inline(always)]
-    fn set_outline(&mut self, i: usize, outline: &LaneSquaredDistance) {
+    fn set_square(&mut self, i: usize, squared_distance: &LaneSquaredDistance) {
         let mut k = 0;
         while k < 7 {
-            self.squares[k][i] = outline.square[k];
+            self.squares[k][i] = squared_distance.square[k];
             k += 1;
         }
-        self.margins[i] = outline.margin;
+        self.tolerances[i] = squared_distance.tolerance;
     }
 
     /// Second and third stage of a first guess: computes a rough time for each pair.
@@ -178,7 +178,7 @@ impl<R: Real> LaneBlock<R> {
             };
             let found = arrive(&get_cubic(&self.cubics, i), times[i], &step);
             self.times[i] = found.time.to_f32();
-            self.doubts[i] = found.doubt;
+            self.tolerance_factors[i] = found.tolerance_factor;
             times[i] = local_time(found.time);
             distances[i] = found.square;
         }
@@ -288,7 +288,7 @@ for_each_instruction_set! {
         }
         block.settle(times, distances);
         for i in 0..count {
-            certificates[i] = certify(&block.outline(i), block.times[i], block.doubts[i]);
+            certificates[i] = certify(&block.squared_distance(i), block.times[i], block.tolerance_factors[i]);
         }
     }
 }
@@ -303,12 +303,12 @@ for_each_instruction_set! {
     ) {
         let count = times.len().min(BLOCK);
         let certificates = &mut certificates[..count];
-        block.outline_cubics(count);
+        block.expand_cubics(count);
         for i in 0..count {
-            let choose_minimum = choose_minimum(&block.outline(i), block.firsts[i], block.doubts[i]);
-            block.times[i] = choose_minimum.start;
-            block.rivals[i] = choose_minimum.rival;
-            block.stays[i] = choose_minimum.stays;
+            let choice = choose_minimum(&block.squared_distance(i), block.firsts[i], block.tolerance_factors[i]);
+            block.times[i] = choice.start;
+            block.rivals[i] = choice.rival;
+            block.stays[i] = choice.stays;
         }
         for i in 0..count {
             block.times[i] = descend_safely(&block.square(i), block.times[i], rival::STEPS);
@@ -319,12 +319,12 @@ for_each_instruction_set! {
         }
         block.settle(times, distances);
         for i in 0..count {
-            let outline = block.outline(i);
-            let (mut time, mut doubt) = (block.times[i], block.doubts[i]);
+            let squared_distance = block.squared_distance(i);
+            let (mut time, mut tolerance_factor) = (block.times[i], block.tolerance_factors[i]);
             if block.stays[i] > 0.0 {
-                (time, doubt) = (block.firsts[i], block.stays[i]);
+                (time, tolerance_factor) = (block.firsts[i], block.stays[i]);
             }
-            certificates[i] = certify_against(&outline, time, block.rivals[i], doubt);
+            certificates[i] = certify_against(&squared_distance, time, block.rivals[i], tolerance_factor);
         }
     }
 }

@@ -58,13 +58,13 @@
 //!   mean of two coefficients 6 times; `u*` itself was rounded, which moves the quotient by `8/3`
 //!   units of its terms. `A_k` enters the quotient with the factor `k (k - 1) / 2`. With
 //!   `2 |C_i| |C_j| <= |C_i|² + |C_j|²` the error is at most `25 u W`,
-//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the margin is `40 u W`. The slope at an end
+//!   `W = 4 |C0|² + 10 |C1|² + 20 |C2|² + 34 |C3|²`; the tolerance is `40 u W`. The slope at an end
 //!   has an error of at most `18 u` times the sum of `k A_k`, which is below `27 u W`; it is
 //!   lowered by `30 u W` before it is used. What it adds to the coefficients, 5 times itself at
 //!   most, is rounded up to 3 times, which is `6 u W` more than the lowering allows for. Against a
 //!   rival the quotient becomes a quintic (3 roundings, and twice the size at an end), is cut (15)
 //!   and halved twice (10): less than `146 u W` with the roundings of the slope, which is below
-//!   `1.5 W`; the margin is `160 u W`. The proof is that no point is lower by more than the
+//!   `1.5 W`; the tolerance is `160 u W`. The proof is that no point is lower by more than the
 //!   residual slope allows; that slope is rounding of the lanes' type after the last step. For a
 //!   complete bound use [`enclose`].
 //! - *Enclosure.* Splitting the polygon moves it by `9 u M` at most, halvings add `3 u M` each. The
@@ -72,7 +72,7 @@
 //!   lower bound itself is counted term by term where it is formed.
 //! - *Verdict.* The Bernstein coefficients of the squared distance have an error of `7 u M²`;
 //!   of `8 u M²` with respect to points that were rounded to the type of the lanes. Halvings add
-//!   `6 u M²` each. The margins are 16 (one halving) and 32 (three) `u M²`. So `f32` lanes filled
+//!   `6 u M²` each. The tolerances are 16 (one halving) and 32 (three) `u M²`. So `f32` lanes filled
 //!   with rounded `f64` points never lose a conflict of these points.
 //!
 //! Squares that overflow or underflow fail every test; such pairs end in the scalar `f64` code,

@@ -6,18 +6,18 @@
 //! other one of the two serves the proof: the span is cut there, where the Bernstein coefficients
 //! are close to the values, and then into quarters of both parts.
 //!
-//! The value at the rival predicts the outcome. Within the margin of the proof, the two minima are
+//! The value at the rival predicts the outcome. Within the tolerance of the proof, the two minima are
 //! equally low, or the minimum is flat, and there is no proof. Above it, and if the first guess had
 //! settled, that guess stays and only the proof is repeated.
 
 use super::certificate::{Deflated, Guess};
 use crate::guess::{
-    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend_safely, outline,
-    polish, settle,
+    CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend_safely, polish, settle,
+    squared_distance,
 };
 use crate::real::Real;
 
-/// Ratio of this proof's margin to that of the first (derivation in `kernels`).
+/// Ratio of this proof's tolerance to that of the first (derivation in `kernels`).
 const AGAIN: f32 = 4.0;
 
 /// Steps of refinement in the second try.
@@ -30,7 +30,7 @@ pub(super) struct MinimumChoice {
     pub(super) start: f32,
     /// Centred time near the other minimum.
     pub(super) rival: f32,
-    /// Factor on the margin of the first guess's proof if that guess stays: 1, or infinity if there
+    /// Factor on the tolerance of the first guess's proof if that guess stays: 1, or infinity if there
     /// will be no proof. 0 if the guess is to be made again.
     pub(super) stays: f32,
 }
@@ -39,20 +39,29 @@ pub(super) struct MinimumChoice {
 #[inline(always)]
 pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Guess<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
-    let outline = outline::<R>(cubic.rough().coefficients);
-    let choose_minimum = choose_minimum(&outline, first.settled.time.to_f32(), first.settled.doubt);
-    if choose_minimum.stays > 1.0 {
+    let squared_distance = squared_distance::<R>(cubic.rough().coefficients);
+    let choice = choose_minimum(
+        &squared_distance,
+        first.settled.time.to_f32(),
+        first.settled.tolerance_factor,
+    );
+    if choice.stays > 1.0 {
         return first;
     }
-    let settled = if choose_minimum.stays > 0.0 {
+    let settled = if choice.stays > 0.0 {
         first.settled
     } else {
-        again(&cubic, &outline, choose_minimum.start)
+        again(&cubic, &squared_distance, choice.start)
     };
     let time = settled.time.to_f32();
     Guess {
         settled,
-        certificate: certify_against(&outline, time, choose_minimum.rival, settled.doubt),
+        certificate: certify_against(
+            &squared_distance,
+            time,
+            choice.rival,
+            settled.tolerance_factor,
+        ),
     }
 }
 
@@ -60,28 +69,28 @@ pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Gues
 #[inline(always)]
 fn again<R: Real>(
     cubic: &CentredCubic<R>,
-    outline: &LaneSquaredDistance,
+    squared_distance: &LaneSquaredDistance,
     start: f32,
 ) -> RefinedGuess<R> {
-    let rough = descend_safely(&outline.square, start, STEPS);
+    let rough = descend_safely(&squared_distance.square, start, STEPS);
     settle(cubic, polish(cubic, R::from_f64(f64::from(rough))))
 }
 
 /// First stage: chooses the minimum that is the better guess, and tells whether it is the first
-/// guess. `doubt` is that of the first guess.
+/// guess. `tolerance_factor` is that of the first guess.
 #[inline(always)]
 pub(super) fn choose_minimum(
-    outline: &LaneSquaredDistance,
+    squared_distance: &LaneSquaredDistance,
     first: f32,
-    doubt: f32,
+    tolerance_factor: f32,
 ) -> MinimumChoice {
-    let remainder = DeflatedRemainder::new(outline, first);
+    let remainder = DeflatedRemainder::new(squared_distance, first);
     let least = remainder.least_point(remainder.lowest_sample());
     let rival = remainder.deflated.sign * least;
     let value = remainder.value(least);
     let beaten = value < 0.0;
-    let again = beaten | (doubt > 1.0);
-    let decided = value.abs() > AGAIN * outline.margin;
+    let again = beaten | (tolerance_factor > 1.0);
+    let decided = value.abs() > AGAIN * squared_distance.tolerance;
     let stays = if again { 0.0 } else { 1.0 };
     MinimumChoice {
         start: if beaten { rival } else { first },
@@ -94,18 +103,19 @@ pub(super) fn choose_minimum(
 /// points around `rival` could be.
 #[inline(always)]
 pub(super) fn certify_against(
-    outline: &LaneSquaredDistance,
+    squared_distance: &LaneSquaredDistance,
     u: f32,
     rival: f32,
-    doubt: f32,
+    tolerance_factor: f32,
 ) -> f32 {
-    let remainder = DeflatedRemainder::new(outline, u);
+    let remainder = DeflatedRemainder::new(squared_distance, u);
     let rival = remainder.deflated.sign * rival;
     let (low, high) = split(
         remainder.bernstein(),
         0.5 * (remainder.least_point(rival) + 1.0),
     );
-    least_of_quarters(low).or_less(least_of_quarters(high)) - AGAIN * outline.margin * doubt
+    least_of_quarters(low).or_less(least_of_quarters(high))
+        - AGAIN * squared_distance.tolerance * tolerance_factor
 }
 
 /// The polynomial of degree 5 that has to be positive over the span, in powers and as deflated.
@@ -117,8 +127,8 @@ struct DeflatedRemainder {
 
 impl DeflatedRemainder {
     #[inline(always)]
-    fn new(outline: &LaneSquaredDistance, u: f32) -> Self {
-        let deflated = Deflated::new(&outline.square, u, outline.margin);
+    fn new(squared_distance: &LaneSquaredDistance, u: f32) -> Self {
+        let deflated = Deflated::new(&squared_distance.square, u, squared_distance.tolerance);
         let [q0, q1, q2, q3, q4] = deflated.quartic;
         let inward = deflated.inward;
         let at_end = inward > 0.0;

@@ -4,7 +4,7 @@
 //! Bernstein coefficients. With `M` the size of the polygon and `u` the unit of rounding, every
 //! computed coefficient is within 7 u M² of that of the given points, or 8 u M² of that of the
 //! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
-//! margins below are at least twice that.
+//! tolerances below are at least twice that.
 #![allow(
     clippy::needless_range_loop,
     reason = "many slices with one index is what is vectorised, and what is easiest to read"
@@ -64,9 +64,9 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
 fn verdict<R: Real>(lowest: R, nearest: R, inner: R, outer: R, units: f64, size: R) -> Verdict {
     let u = R::ROUNDING;
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let margin = R::from_f64(units) * u * size + R::UNDERFLOW;
-    let above = outer * outer * (one + R::from_f64(8.0) * u) + margin;
-    let below = inner * inner * (one - R::from_f64(8.0) * u) - margin;
+    let tolerance = R::from_f64(units) * u * size + R::UNDERFLOW;
+    let above = outer * outer * (one + R::from_f64(8.0) * u) + tolerance;
+    let below = inner * inner * (one - R::from_f64(8.0) * u) - tolerance;
     // Not a number compares false, and stays undecided; so do infinities.
     let is_served = size < R::LARGE;
     let outside = (lowest > above) & is_served & (outer >= zero);
