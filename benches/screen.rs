@@ -3,7 +3,7 @@
 //! and `spheres/turning/COUNT` if it turns.
 //!
 //! `elem/s` counts bodies. With `NEARMISS_DATA`, a folder of recordings, in the environment, those are
-//! screened as well, by the default method. With `NEARMISS_SLICE_LENGTHS=1` in the environment it is printed first how
+//! screened as well, by the default method. With `NEARMISS_SLICE_LENGTHS=1` in the environment it first prints how
 //! far the automatic slice length is from the best fixed one.
 
 #[path = "screen/lengths.rs"]

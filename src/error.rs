@@ -354,20 +354,49 @@ pub enum Error {
         /// The id.
         id: BodyId,
     },
-    /// A plan cannot be spliced at a time when the old or the new plan does not exist, or the new
-    /// one ends. Examples: it begins later than the splice, or the old one is over. A late plan
-    /// must continue from the monitor's clock.
+    /// A plan is to change at a time at which the plan so far does not exist: it is over, or has not begun.
     ///
-    /// Use a plan that exists by then and continues, use [`Outside::Coast`](crate::Outside::Coast),
-    /// or replace a plan that is over with
-    /// [`Monitor::set_trajectory`](crate::Monitor::set_trajectory).
+    /// Replace it as a whole with [`Monitor::set_trajectory`](crate::Monitor::set_trajectory), or let plans go on
+    /// with [`Outside::Coast`](crate::Outside::Coast).
     #[error(
-        "there is no plan to splice at {time:?} s: the old plan or the new one does not exist then, or the \
-         new one ends; give one that goes on from then, or set the trajectory as a whole"
+        "the plan so far does not exist at {time:?} s: it is from {start:?} s to {end:?} s; set the trajectory as a \
+         whole instead (set_trajectory)"
     )]
-    NoPlanAt {
-        /// Time of the splice, s; the monitor's clock if a late plan does not continue from it.
+    NoOldPlan {
+        /// Time of the change, s.
         time: f64,
+        /// First instant of the plan so far, s.
+        start: f64,
+        /// Last instant of the plan so far, s.
+        end: f64,
+    },
+    /// A plan is to change at a time at which the new plan does not exist, or ends. A late plan must go on from the
+    /// monitor's clock.
+    ///
+    /// Give one that exists by then and goes on, perhaps with [`Outside::Coast`](crate::Outside::Coast).
+    #[error(
+        "the new plan does not go on from {time:?} s: it is from {start:?} s to {end:?} s; give one that begins by \
+         then and ends later"
+    )]
+    NoNewPlan {
+        /// Time of the change, s; the monitor's clock if a late plan does not go on from it.
+        time: f64,
+        /// First instant of the new plan, s.
+        start: f64,
+        /// Last instant of the new plan, s.
+        end: f64,
+    },
+    /// A monitor is asked about the time ahead, and knows nothing of it: before its first tick, or while a
+    /// [budget](crate::Monitor::advance_within) leaves it behind its clock.
+    #[error(
+        "the monitor knows nothing of the time ahead: its clock shows {now:?} s, and all is known up to \
+         {complete_until:?} s; advance it first, until complete_until is after the clock"
+    )]
+    NothingKnown {
+        /// Time of the clock, s.
+        now: f64,
+        /// Instant up to which all is known, s.
+        complete_until: f64,
     },
     /// A plan or an orientation is to change at a time that is NaN or infinite.
     #[error("a plan or an orientation cannot change at {time:?} s: give a finite time")]

@@ -6,7 +6,7 @@
 //! | [`choosing_accuracy`] | what trades speed for accuracy, and what does not |
 //! | [`time_frames_units`] | seconds, metres, epochs, reference frames |
 //! | [`from_your_motion_to_splines`] | states, waypoints, curves, functions |
-//! | [`games`] | bodies that are told every frame |
+//! | [`games`] | bodies whose state is given every frame |
 //! | [`fleets_and_traffic`] | plans that are known ahead, and asked about first |
 //! | [`satellites`] | long, fast, far: what a cubic is worth in orbit |
 //! | [`when_plans_change`] | replan, extend, late news |

@@ -24,7 +24,7 @@ pub struct Sphere {
 /// A sphere, a cluster of spheres that stand in for another shape, or a [half-space](Self::half_space).
 ///
 /// Cost, where two clusters may be near each other: some microseconds for clusters of a few spheres, and tens of
-/// microseconds for hundreds or thousands, for each cubic that they follow. Most pairs of spheres are ruled
+/// microseconds for hundreds or thousands, for each cubic that they follow; several times that where they turn. Most pairs of spheres are ruled
 /// out together. Few are solved: those that begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```

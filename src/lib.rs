@@ -71,7 +71,7 @@
 //! | [`Window`] | the closed time interval asked about |
 //! | [`Conflict`] | pair, enter, exit, and the [`ClosestApproach`] in between |
 //! | [`Monitor`] | a scene with a clock and a lookahead, whose plans change |
-//! | tick | one call of [`Monitor::advance`]: the clock moves, and events are reported |
+//! | tick | one call of [`Monitor::advance`] or [`Monitor::advance_within`]: the clock moves, and events are reported |
 //! | [`Encounter`] | a conflict of a pair as the monitor follows it, at one [`AlertLevel`] |
 //! | [`Event`] | `Predicted`, `Revised`, `Withdrawn`, `Began`, `Ended`, `PlanEnds` |
 //!
@@ -82,16 +82,16 @@
 //!
 //! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
 //! knots plus the extents of their segments); neither the absolute position nor the absolute time
-//! enters (but for polynomials in absolute time, whose terms may be larger than what they add up to). Distances
-//! within that rounding of the margin are reported, so a touch is never lost.
+//! enters. Exception: polynomials in absolute time are good to a few roundings of their largest term. Distances within
+//! that rounding of the margin are reported, so a touch is never lost.
 //!
 //! All answers are about the splines. A body's model error says how far the world may be from its
 //! spline: answers then cover all that may be in the world, and a certified one is about the world
 //! ([`Certificate`]).
 //!
-//! A body that turns has a tolerance ([`Orientation`]): its spheres follow cubics that differ from the
-//! true way by at most that, times the sphere's distance from the body's position. The radii are enlarged by the difference, so no contact is lost; with
-//! [`Accuracy::Certified`] it is part of the proven error instead.
+//! Where a body turns, cubics take the place of the true paths of its spheres' centres. They are off by at most the
+//! tolerance of the [`Orientation`], times the distance of the sphere's centre from the body's position. The radii are enlarged by
+//! that, so no contact is lost; with [`Accuracy::Certified`] it is part of the proven error instead.
 //!
 //! # Features
 //!
@@ -100,7 +100,7 @@
 //!   with the same answers.
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `live`.
-//! - `serde`: scenes, states, queries, screenings, options, commands, events, snapshots, conflicts
+//! - `serde`: scenes, states, queries, screenings, options of covers and live monitors, commands, events, snapshots, conflicts
 //!   and their parts implement `Serialize` and `Deserialize`.
 //! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
 //!   `recording::Replay` replays them, bit for bit. Turns `serde` on.

@@ -52,7 +52,7 @@ use std::slice::from_ref;
 ///
 /// | per body | bytes |
 /// |---|---|
-/// | record of the body | 180 |
+/// | record of the body (its slot) | 192 |
 /// | summary of its plan | 150 |
 /// | end motions before and after its plan | 260 |
 /// | room for two more segments in front, for a monitor's splices | 270 |

@@ -16,7 +16,8 @@ use std::fmt;
 ///   window's ends are reported as unresolved. The proven error of a separation may differ.
 ///
 /// At a knot where its plan jumps, a body is at both positions, also at a window's end. That is not
-/// so for pairs in which the other body's plan also begins, ends or jumps at that instant.
+/// so for pairs in which the other body's plan also begins, ends or jumps at that instant. Where an orientation jumps, a
+/// body has both rotations, but for the last instant of a plan: there it has the one before.
 ///
 /// ```
 /// use nearmiss::Window;

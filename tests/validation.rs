@@ -371,7 +371,13 @@ fn what_a_monitor_refuses() {
         let refused = monitor.what_if(id, &line(start), 0).unwrap_err();
         assert_eq!(
             refused,
-            Error::NoPlanAt { time: 1.0 }.in_body(7).with_id(id)
+            Error::NoNewPlan {
+                time: 1.0,
+                start,
+                end: start + 10.0,
+            }
+            .in_body(7)
+            .with_id(id)
         );
         let replanned = monitor.replan(id, 1.0, line(start)).unwrap_err();
         assert_eq!(replanned, refused);

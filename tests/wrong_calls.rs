@@ -94,8 +94,8 @@ const CURVES: &[(Attempt, &str)] = &[
      "body 8: a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
     (|| done(flying().simplified(0.0)?), "tolerance 0.0 m is not a positive number up to 1e300"),
     (|| done(flying().spliced(20.0, &flying())?),
-     "there is no plan to splice at 20.0 s: the old plan or the new one does not exist then, or the new one ends; \
-      give one that goes on from then, or set the trajectory as a whole"),
+     "the plan so far does not exist at 20.0 s: it is from 0.0 s to 10.0 s; set the trajectory as a whole instead \
+      (set_trajectory)"),
     (|| done(flying().spliced(f64::NAN, &flying())?), "a plan or an orientation cannot change at NaN s: give a finite time"),
     (|| fit(|t| (t.sin() * DVec3::X, 60.0 * t.cos() * DVec3::X), window(0.0, 9.0), 0.01),
      "the motion at 0.3521844789475136 s: velocity x is 56.317285143914546 m/s, but the position changes by \
@@ -222,14 +222,14 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         monitor.advance(11.0, &mut Vec::new())?;
         done(monitor.track(12.0, [(id, state(12.0, 0.0))])?)
-    }, "body 0v0 (tag 4): there is no plan to splice at 12.0 s: the old plan or the new one does not exist then, or the new one \
-        ends; give one that goes on from then, or set the trajectory as a whole"),
+    }, "body 0v0 (tag 4): the plan so far does not exist at 12.0 s: it is from 0.0 s to 10.0 s; set the trajectory as a \
+        whole instead (set_trajectory)"),
     (|| {
         let (mut monitor, id) = monitor();
         monitor.advance(11.0, &mut Vec::new())?;
         done(monitor.replan(id, 12.0, Trajectory::from_states(&[state(12.0, 0.0), state(20.0, 9.0)])?)?)
-    }, "body 0v0 (tag 4): there is no plan to splice at 12.0 s: the old plan or the new one does not exist then, or the new one \
-        ends; give one that goes on from then, or set the trajectory as a whole"),
+    }, "body 0v0 (tag 4): the plan so far does not exist at 12.0 s: it is from 0.0 s to 10.0 s; set the trajectory as a \
+        whole instead (set_trajectory)"),
     (|| done(monitor().0.advance(f64::INFINITY, &mut Vec::new())?),
      "the clock cannot show inf s: not within ±1e300, or too far from 0 for the lookahead"),
     (|| done(monitor().0.track(f64::NAN, [] as [(BodyId, State); 0])?),
@@ -260,8 +260,13 @@ const MONITORS: &[(Attempt, &str)] = &[
         let (mut monitor, id) = monitor();
         let late = Trajectory::from_states(&[state(12.0, 0.0), state(13.0, 0.0)])?;
         done(monitor.extend(id, late)?)
-    }, "body 0v0 (tag 4): there is no plan to splice at 10.0 s: the old plan or the new one does not exist then, or the new one \
-        ends; give one that goes on from then, or set the trajectory as a whole"),
+    }, "body 0v0 (tag 4): the new plan does not go on from 10.0 s: it is from 12.0 s to 13.0 s; give one that begins by then \
+        and ends later"),
+    (|| {
+        let (monitor, id) = monitor();
+        done(monitor.what_if(id, &flying(), 0)?)
+    }, "the monitor knows nothing of the time ahead: its clock shows 1.0 s, and all is known up to 1.0 s; advance it first, \
+        until complete_until is after the clock"),
     (|| {
         let (monitor, id) = monitor();
         done(monitor.what_if(id, &flying(), 5)?)

@@ -253,8 +253,8 @@ const CALLS: &[(Attempt, &str)] = &[
         let (mut monitor, a) = monitor();
         let late = Trajectory::from_states(&[state(20.0, 0.0), state(30.0, 1.0)])?;
         done(monitor.replan(a, 2.0, late)?)
-    }, "body 0v0 (tag 4): there is no plan to splice at 2.0 s: the old plan or the new one does not exist then, or the new one \
-        ends; give one that goes on from then, or set the trajectory as a whole"),
+    }, "body 0v0 (tag 4): the new plan does not go on from 2.0 s: it is from 20.0 s to 30.0 s; give one that begins by then \
+        and ends later"),
 ];
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --example game_loop -- [--bodies N] [--replan FRACTION] [--avoid on|off]
-//!     [--seed K] [--screenshot FILE.png --seconds S]
+//!     [--seed K] [--threads T] [--screenshot FILE.png --seconds S]
 //! ```
 //!
 //! opens a window;

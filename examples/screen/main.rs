@@ -11,15 +11,17 @@
 //! comma, a semicolon or a tab. Bodies are whole numbers from 0 on, and `07` is 7; if one is not, all are names as they
 //! are written, in the order of their first appearance. `-` is standard input; gzip is unpacked.
 //!
-//! Writes one row for each maximal interval in which two bodies' separation is at most the margin: their labels `a` and
-//! `b`, the earlier one first; `enter`, `exit`, and `tca`, the time of closest approach (s); `separation` then (m);
-//! `clip`: 1 if it is cut off at `enter`, by the window or since a body begins, 2 at `exit`, 3 at both. With `certified`
-//! also `error`, half the width of the proven enclosure of the separation (m); `resolved` (1, or 0 where f64 cannot tell whether
-//! they come within the margin at all); and between what instants enter, exit and closest approach are certain to be.
-//! All of this is of the spline, the cubics through the states: how far that is from the bodies in the world is no part
+//! Writes a row for each maximal interval in which two bodies' separation is at most the margin, with the columns
+//! `a,b,enter,exit,tca,separation,error,clip,resolved`: the labels of the bodies, the earlier one first; the first and
+//! the last instant, and the time of closest approach (s); the separation then (m); `clip` is 1 if the conflict is cut off
+//! at `enter`, by the window or since a body begins, 2 at `exit`, 3 at both, else 0. `error` and `resolved` are empty unless
+//! `certified`: half the width of the proven enclosure of the separation (m); and 1, or 0 where f64 cannot tell whether the
+//! bodies come within the margin, or whether a gap divides the conflict. `certified` adds six columns that enclose enter,
+//! exit and tca. All of this is about the spline through the states; how far the bodies in the world are from it is not part
 //! of it.
 //!
-//! Bad input: exit code 1, one line that says what and where, no output. A wrong command line: exit code 2.
+//! Bad input ends with exit code 1 and one line that says what and where, without output; a wrong command line with
+//! exit code 2.
 
 mod hitboxes;
 mod read;
@@ -46,7 +48,7 @@ struct Arguments {
     /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers (07 is 7) or,
     /// if one is none, names.
     states: PathBuf,
-    /// Radius of every body, m; 0 if neither this is given nor the file has a column radius.
+    /// Radius of every body, m; 0 if neither this is given nor the file has a column radius. Refused beside one.
     #[arg(
         long = "radius",
         value_parser = parse_radius,
@@ -68,11 +70,12 @@ struct Arguments {
     /// Only this time, s: A..B, A.. or ..B.
     #[arg(long, value_parser = parse_window, allow_hyphen_values = true, default_value = "..")]
     window: Window,
-    /// Rule for a body before its first and after its last row.
+    /// Rule for a body before its first and after its last row; extrapolate and coast need a window that is closed on
+    /// both sides.
     #[arg(long, value_enum, default_value_t = OutsideRule::Absent)]
     outside: OutsideRule,
-    /// Accuracy of the answer: exact (f64, good to a few roundings) or certified (with proven
-    /// enclosures, in six more columns). Both are of the spline: the cubics through the states.
+    /// Accuracy of the answer: exact (f64, good to a few roundings) or certified (fills error and resolved, and adds
+    /// six columns of proven enclosures). Both are of the spline: the cubics through the states.
     #[arg(long, value_parser = parse_accuracy, default_value = "exact")]
     accuracy: Accuracy,
     #[command(flatten)]

@@ -21,7 +21,8 @@ use crate::window::Window;
 use std::iter::once;
 
 impl Monitor {
-    /// Adds a body.
+    /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
+    /// state is taken to have flown there since. In a frame, insert after the tick at whose clock the body appears.
     ///
     /// # Errors
     ///
@@ -41,7 +42,8 @@ impl Monitor {
 
     /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick, or at the instant up to
     /// which its events were reported if a budget ran out before. The next tick reports that; until then
-    /// [`conflicts`](Self::conflicts) still has the body.
+    /// [`conflicts`](Self::conflicts) still has the body. What it met after that clock is not reported: in a frame,
+    /// remove after the tick at whose clock the body disappears.
     ///
     /// # Errors
     ///
@@ -89,7 +91,7 @@ impl Monitor {
             .map(drop)
     }
 
-    /// Replaces a body's hitbox.
+    /// Replaces a body's hitbox, from the clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -124,7 +126,7 @@ impl Monitor {
             .map(drop)
     }
 
-    /// Replaces a body's layers.
+    /// Replaces a body's layers, from the clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -133,7 +135,7 @@ impl Monitor {
         self.apply([Command::SetLayers(id, layers)]).map(drop)
     }
 
-    /// Replaces a body's [model error](Body::with_model_error) (m).
+    /// Replaces a body's [model error](Body::with_model_error) (m), from the clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -154,7 +156,7 @@ impl Monitor {
     /// the clock on. The returned instant is then the latest of `from`, the start of the plan's
     /// [domain](Trajectory::domain) and the start of the body's. The body keeps its known motion
     /// before that instant. A body that does not exist yet at the clock takes no late plan
-    /// ([`Error::NoPlanAt`]). Events already reported stand: no event is reported for a change before
+    /// ([`Error::NoOldPlan`]). Events already reported stand: no event is reported for a change before
     /// the clock of the last tick.
     ///
     /// ```
@@ -184,11 +186,12 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::Clock`], [`Error::OutOfRange`], [`Error::TooFar`] or
-    /// [`Error::NoPlanAt`]:
+    /// one of these two:
     ///
-    /// - One of the two plans does not exist at that instant, or the new one ends there.
+    /// - [`Error::NoOldPlan`]: the body does not exist at that instant.
     ///   ([`set_trajectory`](Self::set_trajectory) needs no old plan.)
-    /// - A late plan does not continue from the clock on, where the body's plan still exists.
+    /// - [`Error::NoNewPlan`]: the new plan does not exist at that instant, or ends there; or it is late and does not
+    ///   go on from the clock, where the body's plan still exists.
     ///
     /// With an orientation in the plan, the errors of [`orient`](Self::orient), too.
     pub fn replan(
@@ -216,7 +219,7 @@ impl Monitor {
     ///
     /// A body that continues beyond its knots may have passed the last one long ago (a body [at
     /// rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is then
-    /// refused with [`Error::NoPlanAt`]: use [`replan`](Self::replan).
+    /// refused with [`Error::NoNewPlan`]: use [`replan`](Self::replan).
     ///
     /// # Errors
     ///

@@ -78,7 +78,7 @@ impl ChangeContext<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Clock`]; [`Error::NoPlanAt`] if a plan for the past is over, and the body is not.
+    /// [`Error::Clock`]; [`Error::NoNewPlan`] if a plan for the past is over, and the body is not.
     pub(super) fn follows_from(
         &self,
         old: &Trajectory,
@@ -91,8 +91,8 @@ impl ChangeContext<'_> {
         if from > self.now {
             return Ok(from);
         }
-        if old.domain().contains(self.now) && !plan.goes_on_from(self.now) {
-            return Err(Error::NoPlanAt { time: self.now });
+        if old.domain().contains(self.now) {
+            plan.check_goes_on_from(self.now)?;
         }
         let both_exist = old.domain().start().max(plan.domain().start());
         Ok(from.max(both_exist).min(self.now))

@@ -74,9 +74,12 @@ use told_motions::ToldMotions;
 ///   lookahead; else, of the window from now to [`complete_until`](Self::complete_until).
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
 ///   [`EventKind`] has the order of events.
-/// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. A body that is
-///   inserted, removed or replanned then is taken to have been there, gone or so planned since
-///   [`complete_until`](Self::complete_until), up to which all was reported.
+/// - A change between two ticks counts from the clock of the tick before, if it has no time of its own: a body that is
+///   [inserted](Self::insert) exists from then on as its plan says, one that is [removed](Self::remove) is gone from then
+///   on, and so with hitboxes, layers, model errors and ignored pairs. So make such changes after the tick at whose clock
+///   they count.
+/// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. Such a change, and a plan,
+///   then counts from [`complete_until`](Self::complete_until) on, up to which all was reported.
 ///
 /// # Cost
 ///

@@ -44,7 +44,8 @@ impl Monitor {
     /// Moves the clock like [`advance`](Self::advance), but within a budget: the near future is examined first.
     /// Nothing is missing before [`complete_until`](Self::complete_until); later ticks continue from there,
     /// also while the clock stands still. In the end they report the clock events that unlimited ticks do.
-    /// Exceptions: bodies are inserted or removed meanwhile, or a plan changes the past at an instant (the
+    /// Exceptions: bodies are inserted or removed meanwhile, hitboxes, layers, model errors or ignored pairs change (all
+    /// of these count from `complete_until` on if it is before the clock), or a plan changes the past at an instant (the
     /// clock's own included) that one monitor has reported and another has not.
     ///
     /// ```

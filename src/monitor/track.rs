@@ -54,7 +54,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::Clock`]; [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
-    /// [`Error::TooFar`], [`Error::NoPlanAt`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
+    /// [`Error::TooFar`], [`Error::NoOldPlan`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
     /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin), or with
     /// [`Error::TurningHalfSpace`] where a half-space is given a spin. The error is that of the first state that is
     /// refused; nothing was changed then.

@@ -20,7 +20,8 @@ impl Monitor {
     /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
     ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
     /// - Without an orientation in the plan, the body turns as it does.
-    /// - Changes since the last tick count. Before the first tick nothing is known, and nothing found.
+    /// - Changes since the last tick count. Before the first tick, and while a [budget](Self::advance_within) leaves the
+    ///   monitor behind its clock, nothing is known: that is an error, not an empty answer.
     /// - Numbers may differ from those after a real [`replan`](Self::replan) by rounding. A place that a body leaves by
     ///   a jump at this very instant does not count.
     ///
@@ -28,8 +29,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoPlanAt`] if
-    /// the plan or the body does not exist now, or the plan ends now.
+    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoOldPlan`] if
+    /// the body does not exist now, [`Error::NoNewPlan`] if the plan does not, or ends now; [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,
@@ -43,11 +44,9 @@ impl Monitor {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
-        if !body.trajectory.domain().contains(self.now) || !plan.goes_on_from(self.now) {
-            return Err(Error::NoPlanAt { time: self.now }
-                .in_body(body.tag)
-                .with_id(id));
-        }
+        let both = body.trajectory.check_exists_at(self.now);
+        let both = both.and_then(|()| plan.check_goes_on_from(self.now));
+        both.map_err(|error| error.in_body(body.tag).with_id(id))?;
         let orientation = orientation.unwrap_or(&body.orientation);
         let checked = Body::check_turning(&body.hitbox, orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;
@@ -64,8 +63,8 @@ impl Monitor {
     ///
     /// The answer is bit for bit that of [`conflicts_of`](Self::conflicts_of) once the body is
     /// [inserted](Self::insert) and a tick at the same clock has looked as far. The body's id in the answer is
-    /// the one that it would have. Changes since the last tick count. Before the first tick nothing is known,
-    /// and nothing found.
+    /// the one that it would have. Changes since the last tick count. Where [`what_if`](Self::what_if) knows nothing,
+    /// this is an error as well.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -83,7 +82,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownAlertLevel`]; [`Error::InBody`] and [`Error::SceneFull`] as for
-    /// [`insert`](Self::insert).
+    /// [`insert`](Self::insert); [`Error::NothingKnown`].
     pub fn what_if_body(&self, body: &Body, level: usize) -> Result<Vec<Conflict>, Error> {
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
@@ -109,9 +108,12 @@ impl Monitor {
         let monitored = self.change_context()?.monitored_body(plan, shape, tag)?;
         let own = monitored.view(plan, shape);
         let window = (self.now, self.known);
-        // Of a single instant nothing is said, as `conflicts` says nothing.
+        // An empty answer would look like a free way.
         if window.1 <= window.0 {
-            return Ok(Vec::new());
+            return Err(Error::NothingKnown {
+                now: self.now,
+                complete_until: self.complete_until(),
+            });
         }
         let mut conflicts = Vec::new();
         self.search.contacts_with(

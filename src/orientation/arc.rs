@@ -5,6 +5,9 @@ use crate::rounding::{UNIT_ROUNDOFF, norm};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
+/// Largest angular speed, rad/s: more than 150,000 revolutions per second.
+pub(super) const MAX_SPEED: f64 = 1e6;
+
 /// A rotation about a fixed axis at a constant rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {

@@ -1,6 +1,6 @@
 //! Orientations as they are given, and the checks on them.
 
-use super::arc::{Arc, angle_within};
+use super::arc::{Arc, MAX_SPEED, angle_within};
 use super::piece::{RotationCurve, RotationPiece};
 use super::quaternion_cubic::QuaternionCubic;
 use crate::error::{Error, Quantity};
@@ -27,9 +27,6 @@ pub(super) enum GivenRotation {
         outside: Outside,
     },
 }
-
-/// Largest angular speed, rad/s: more than 150,000 revolutions per second.
-const MAX_SPEED: f64 = 1e6;
 
 impl GivenRotation {
     /// Sets the rule for the time outside the knots, if there are knots.

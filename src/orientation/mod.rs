@@ -159,7 +159,9 @@ impl Orientation {
     ///
     /// With [`Outside::Absent`] the rotation is held: whether the body exists is up to its
     /// trajectory. With [`Outside::Coast`] and [`Outside::Extrapolate`] the body keeps the angular
-    /// velocity that it has at the first or last knot. A spin has no knots, and ignores the rule.
+    /// velocity that it has at the first or last knot. If that is above 1e6 rad/s (knots almost at the same time), a sphere's
+    /// centre may be anywhere at its distance from the position, and so may contacts. A spin has no knots, and ignores
+    /// the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         // What was accepted before is so again: the rule refuses nothing.

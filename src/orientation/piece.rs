@@ -1,6 +1,6 @@
 //! A part of a turning motion, and the cuts between which it is a cubic.
 
-use super::arc::{Arc, parts_of_revolution};
+use super::arc::{Arc, MAX_SPEED, parts_of_revolution};
 use super::baked::BakedRotation;
 use super::quaternion_cubic::{QuaternionCubic, equal_cut};
 use crate::accuracy::Accuracy;
@@ -32,7 +32,8 @@ enum Cuts {
     None,
     /// Equal parts between two instants (s), that many.
     Equal((f64, f64), [u32; 2]),
-    /// Parts of equal duration (s) from an instant (s) on, in both directions of time.
+    /// Parts of equal duration (s) from an instant (s) on, in both directions of time; of duration 0 if the rotation is
+    /// unknown.
     Steps(f64, [f64; 2]),
 }
 
@@ -52,11 +53,14 @@ impl RotationPiece {
         let cuts = if arc.is_held() {
             Cuts::None
         } else {
+            // What goes on beyond knots may be faster than what can be told. It is unknown: a window of a second would
+            // have millions of cuts.
+            let is_known = arc.angle <= MAX_SPEED * arc.duration;
             let steps = tolerances.map(|tolerance| {
                 // Rates that differ by rounding have the same cuts.
                 short_of(revolution / parts_of_revolution(tolerance))
             });
-            Cuts::Steps(arc.time, steps)
+            Cuts::Steps(arc.time, if is_known { steps } else { [0.0; 2] })
         };
         Self {
             start: f64::NEG_INFINITY,

@@ -242,6 +242,36 @@ fn cuts_do_not_depend_on_where_the_walk_begins() {
     }
 }
 
+/// What goes on beyond knots faster than a spin may be told is one cell, of which nothing is known: a second would have
+/// millions of cells.
+#[test]
+fn what_goes_on_too_fast_is_one_cell() {
+    let turn = |duration: f64| {
+        [
+            (0.0, DQuat::IDENTITY),
+            (duration, DQuat::from_rotation_z(2.0)),
+        ]
+    };
+    for build in [Orientation::slerp, Orientation::normalized_cubic] {
+        for duration in [1e-9, 1e-300] {
+            let orientation = build(&turn(duration)).unwrap();
+            let orientation = orientation.with_outside(Outside::Coast);
+            let turning = orientation.turning().unwrap();
+            for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+                let cell = turning.cell_at(5.0, accuracy);
+                assert!(
+                    cell.start <= duration && cell.end == f64::INFINITY,
+                    "{cell:?}"
+                );
+                assert!(turning.bake(&cell, accuracy).error() >= 1.0);
+            }
+        }
+        let slow = build(&turn(1e-5)).unwrap().with_outside(Outside::Coast);
+        let cell = slow.turning().unwrap().cell_at(5.0, Accuracy::Exact);
+        assert!(cell.end - cell.start < 1e-5);
+    }
+}
+
 #[test]
 fn bad_orientations_are_named() {
     let still = DQuat::IDENTITY;

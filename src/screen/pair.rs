@@ -33,7 +33,7 @@ use crate::spans::{Spans, clip_of, spans};
 use crate::window::Window;
 
 /// Returns the least separation of two bodies within a window, and its time, or `None` if they do
-/// not exist at the same time.
+/// not exist at the same time, or both are half-spaces.
 ///
 /// # Errors
 ///

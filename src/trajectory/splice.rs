@@ -38,8 +38,8 @@ impl Trajectory {
     /// # Errors
     ///
     /// - [`Error::ChangeTime`] if `from` is NaN or infinite.
-    /// - [`Error::NoPlanAt`] unless both plans exist at `from` and the new one continues from
-    ///   there.
+    /// - [`Error::NoOldPlan`] unless this plan exists at `from`; [`Error::NoNewPlan`] unless the new one does, and goes
+    ///   on from there.
     /// - [`Error::OutOfRange`] if a plan leaves the range of numbers between its knots and `from`.
     /// - [`Error::TooFar`] if `from` is too far from a plan's knots.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
@@ -56,6 +56,34 @@ impl Trajectory {
         let is_over = self.outside_after() == Outside::Absent
             && self.knots().last().is_none_or(|last| *last <= time);
         time.is_finite() && self.domain().contains(time) && !is_over
+    }
+
+    /// Checks that this plan exists at a time (s) at which another one takes its place.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoOldPlan`].
+    pub(crate) fn check_exists_at(&self, time: f64) -> Result<(), Error> {
+        let (start, end) = (self.domain().start(), self.domain().end());
+        if self.domain().contains(time) {
+            Ok(())
+        } else {
+            Err(Error::NoOldPlan { time, start, end })
+        }
+    }
+
+    /// Checks that this plan can be followed from a time (s) on.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoNewPlan`].
+    pub(crate) fn check_goes_on_from(&self, time: f64) -> Result<(), Error> {
+        let (start, end) = (self.domain().start(), self.domain().end());
+        if self.goes_on_from(time) {
+            Ok(())
+        } else {
+            Err(Error::NoNewPlan { time, start, end })
+        }
     }
 
     /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If
@@ -86,9 +114,8 @@ impl Trajectory {
     /// As [`spliced`](Self::spliced). On error nothing is changed.
     pub(crate) fn precede_by(&mut self, old: &Self, from: f64, since: f64) -> Result<(), Error> {
         let from = without_negative_zero(from);
-        if !old.domain().contains(from) || !self.goes_on_from(from) {
-            return Err(Error::NoPlanAt { time: from });
-        }
+        old.check_exists_at(from)?;
+        self.check_goes_on_from(from)?;
         let knots_before = count_at_front(self.knots(), |knot| knot <= from);
         // Of the old plan: whole pieces, then the piece that is cut at `from`. Beyond its knots a plan goes on along
         // its end motion, which becomes a piece like any other.

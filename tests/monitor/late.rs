@@ -105,12 +105,9 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
         for (start, end) in [(1.5, 2.1), (1.5, 2.2), (2.21, 5.0)] {
             let short = line(start, end, DVec3::ZERO, DVec3::X);
             let error = monitor.replan(id, 1.5, short).unwrap_err();
-            assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0).with_id(id));
-            assert!(
-                error
-                    .to_string()
-                    .contains("give one that goes on from then")
-            );
+            let time = 2.2;
+            let expected = Error::NoNewPlan { time, start, end };
+            assert_eq!(error, expected.in_body(0).with_id(id));
             assert_eq!(monitor.scene().body(id), Some(&before));
         }
         for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -124,7 +121,12 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
     let (mut monitor, id) = alone(line(5.0, 9.0, DVec3::ZERO, DVec3::Z));
     tick(&mut monitor, 2.2);
     let error = monitor.replan(id, 2.0, away(2.0, DVec3::X)).unwrap_err();
-    assert_eq!(error, Error::NoPlanAt { time: 2.2 }.in_body(0).with_id(id));
+    let expected = Error::NoOldPlan {
+        time: 2.2,
+        start: 5.0,
+        end: 9.0,
+    };
+    assert_eq!(error, expected.in_body(0).with_id(id));
     // Parts of a plan come one after the other, though all are over.
     let (mut monitor, id) = alone(line(0.0, 1.0, DVec3::ZERO, DVec3::Z));
     tick(&mut monitor, 9.0);

@@ -161,7 +161,9 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cu
                 Err(Error::InBody { error, .. }) => {
                     assert!(matches!(
                         *error,
-                        Error::NoPlanAt { .. } | Error::OutOfRange { .. }
+                        Error::NoOldPlan { .. }
+                            | Error::NoNewPlan { .. }
+                            | Error::OutOfRange { .. }
                     ));
                 }
                 Err(other) => panic!("{other}"),

@@ -123,7 +123,13 @@ fn a_call_with_a_state_that_is_refused_changes_nothing() {
     let errors = [
         (
             absent,
-            Error::NoPlanAt { time: now }.in_body(77).with_id(absent),
+            Error::NoOldPlan {
+                time: now,
+                start: -3.0,
+                end: -2.0,
+            }
+            .in_body(77)
+            .with_id(absent),
         ),
         (removed, Error::UnknownBody { id: removed }),
     ];

@@ -211,10 +211,13 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             "ms",
         ],
     );
+    let mut true_counts = Vec::new();
     for known in &worlds {
         let query = Query::new(known.window).with_margin(known.margin);
         let (scene, ..) = fitted(known, TRUE, false)?;
         let truth = by_pair(scene.screen(&query)?.conflicts);
+        let true_count: usize = truth.values().map(Vec::len).sum();
+        true_counts.push(format!("{true_count} of {}", known.name));
         for &tolerance in effort.choose(&[10.0, 1.0, 0.1, 0.01, 0.001][..], &[1.0, 0.01][..]) {
             let (scene, knots, error) = fitted(known, tolerance, false)?;
             let (screening, time) = repeated(runs, || scene.screen(&query))?;
@@ -237,7 +240,10 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             ]);
         }
     }
-    table.note(format!("The truth: fits within {TRUE:.0e} m."));
+    table.note(format!(
+        "encounters: those reported. The truth, fits within {TRUE:.0e} m, has {}.",
+        true_counts.join(", ")
+    ));
     table.note(
         "missed with error: the fit's error is given to the bodies (Body::with_model_error).",
     );
