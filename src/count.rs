@@ -11,3 +11,10 @@ pub(crate) const fn short(count: usize) -> u32 {
     debug_assert!(count <= u32::MAX as usize);
     count as u32
 }
+
+/// Converts a count to a number, to rounding: for estimates and means.
+#[inline(always)]
+#[allow(clippy::cast_precision_loss, reason = "rounding does not matter")]
+pub(crate) const fn as_f64(count: usize) -> f64 {
+    count as f64
+}

@@ -66,6 +66,14 @@ impl DAabb {
         high: DVec3::NEG_INFINITY,
     };
 
+    /// Returns the box that is a point.
+    pub(crate) const fn of_point(point: DVec3) -> Self {
+        Self {
+            low: point,
+            high: point,
+        }
+    }
+
     #[inline]
     pub(crate) fn include(&mut self, other: Self) {
         self.low = smaller(self.low, other.low);

@@ -9,6 +9,7 @@ mod limit;
 mod sweep;
 mod tree;
 
+use crate::count::as_f64;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::InstructionSet;
@@ -171,7 +172,6 @@ pub(crate) fn mean_size(boxes: &[BodyBox]) -> (f64, f64) {
             .map(|side| side.max(f64::MIN_POSITIVE.cbrt()))
             .product::<f64>();
     }
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
-    let count = boxes.len() as f64;
+    let count = as_f64(boxes.len());
     (extent / count, volume / count)
 }

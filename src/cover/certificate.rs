@@ -3,6 +3,7 @@
 use super::cells::needed_radii;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
+use crate::count::as_f64;
 use glam::DVec3;
 
 /// Balls that contain a solid.
@@ -23,8 +24,7 @@ pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
     let round = solid.parts.iter().zip(&coarse);
     let round = round.filter(|(part, _)| part.is_round());
     let capped = round.filter(|(_, surface)| is_capped(surface.points.len()));
-    #[allow(clippy::cast_precision_loss, reason = "a small count")]
-    let parts = capped.count().max(1) as f64;
+    let parts = as_f64(capped.count().max(1));
     // A capped part has a quarter of the square of its sides as points.
     let sides = (4.0 * MAX_POINTS / parts).sqrt().clamp(32.0, 1024.0);
     #[allow(

@@ -3,6 +3,7 @@
 use super::certificate::Certified;
 use super::form::SolidShape;
 use super::solid::{Solid, SolidPart};
+use crate::count::as_f64;
 use glam::DVec3;
 
 /// Spare of a capsule's radii, in diameters: a proof by polyhedra needs some.
@@ -40,8 +41,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
             overshoot: 2.0 * spare,
         });
     }
-    #[allow(clippy::cast_precision_loss, reason = "a small count")]
-    let gaps = (count - 1) as f64;
+    let gaps = as_f64(count - 1);
     let half_gap = |overshoot: f64| (overshoot * (overshoot + 2.0 * radius)).sqrt();
     let (mut low, mut high) = (0.0, length / 2.0);
     for _ in 0..200 {

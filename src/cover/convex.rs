@@ -3,6 +3,7 @@
 use super::form::{Round, SolidShape, across};
 use super::hull::convex_hull;
 use super::surface::{HalfSpace, Surface, is_closed};
+use crate::count::as_f64;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -67,8 +68,7 @@ impl Convex {
         };
         let inner = match &mut convex.form {
             SolidShape::Hull { points, polygons } => {
-                #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
-                let count = points.len().max(1) as f64;
+                let count = as_f64(points.len().max(1));
                 let inner = points.iter().sum::<DVec3>() / count;
                 let mut faces = Faces::new(points, polygons, inner);
                 // parry3d joins triangles that are nearly in one plane, and their neighbours to these.

@@ -6,6 +6,7 @@ use super::points::{Points, Samples};
 use super::random::Random;
 use super::solid::Solid;
 use super::surface::Surface;
+use crate::count::as_f64;
 use glam::DVec3;
 
 /// Temperatures below the overshoot at which the weight of a point is nothing.
@@ -249,9 +250,7 @@ impl DescentScratch {
     /// Returns a third of the mean radius at a level.
     fn spacing(&self, level: f64) -> f64 {
         let radii = self.heights.iter().map(|(height, _)| level - height);
-        #[allow(clippy::cast_precision_loss, reason = "a mean of few numbers")]
-        let count = self.heights.len() as f64;
-        radii.sum::<f64>() / (3.0 * count)
+        radii.sum::<f64>() / (3.0 * as_f64(self.heights.len()))
     }
 
     fn overshoot(&self, demand: &Demand) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::random::Random;
 use super::solid::Solid;
+use crate::count::as_f64;
 use crate::parallel;
 use glam::DVec3;
 
@@ -20,8 +21,7 @@ pub(super) fn pool(solid: &Solid, count: usize, random: &mut Random) -> Vec<DVec
     for surface in solid.surfaces(16) {
         for polygon in surface.polygons() {
             let corners = polygon.iter().map(|&corner| surface.points[corner]);
-            #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
-            pool.push(corners.sum::<DVec3>() / polygon.len() as f64);
+            pool.push(corners.sum::<DVec3>() / as_f64(polygon.len()));
         }
     }
     pool
@@ -133,8 +133,7 @@ pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<
     /// A descent measures some hundred times.
     const FEW: usize = 32;
     let size = solid.high - solid.low;
-    #[allow(clippy::cast_precision_loss, reason = "small counts")]
-    let step = move |[x, y, z]: [usize; 3]| size / DVec3::new(x as f64, y as f64, z as f64);
+    let step = move |[x, y, z]: [usize; 3]| size / DVec3::new(as_f64(x), as_f64(y), as_f64(z));
     let sides = (1..=count).flat_map(|x| (1..=count / x).map(move |y| [x, y, count / x / y]));
     let mut sides: Vec<[usize; 3]> = sides.collect();
     let diagonal = |sides: &[usize; 3]| step(*sides).length_squared();
@@ -143,10 +142,9 @@ pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<
     let lattice = move |[x, y, z]: [usize; 3]| {
         let step = step([x, y, z]);
         let mut centres = Vec::with_capacity(x * y * z);
-        #[allow(clippy::cast_precision_loss, reason = "small counts")]
         for number in 0..x * y * z {
             let place = [number % x, number / x % y, number / x / y];
-            let place = DVec3::from_array(place.map(|place| place as f64 + 0.5));
+            let place = DVec3::from_array(place.map(|place| as_f64(place) + 0.5));
             centres.push(solid.low + step * place);
         }
         centres.retain(|&centre| solid.signed_distance(centre).0 < 0.0);

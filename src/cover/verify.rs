@@ -8,6 +8,7 @@ use super::read::read;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use super::wedge::{Wedge, wedges};
+use crate::count::as_f64;
 use crate::hitbox::{Hitbox, Sphere};
 use glam::DVec3;
 use parry3d::shape::Shape;
@@ -287,8 +288,7 @@ impl Balls {
 
     /// Returns those of some balls that may have the least power somewhere in a polyhedron.
     fn relevant(&self, surface: &Surface, among: &[usize]) -> Vec<usize> {
-        #[allow(clippy::cast_precision_loss, reason = "a mean of few points")]
-        let middle = surface.points.iter().sum::<DVec3>() / surface.points.len() as f64;
+        let middle = surface.points.iter().sum::<DVec3>() / as_f64(surface.points.len());
         let reach = surface.farthest(middle);
         let power = |ball: usize| {
             let (centre, radius) = self.balls[ball];

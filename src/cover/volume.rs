@@ -2,6 +2,7 @@
 
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
+use crate::count::as_f64;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -55,12 +56,10 @@ fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
         return 4.0 / 3.0 * PI * radius.powi(3);
     }
     let lines = (ALL_LINES / balls.len()).clamp(256, 16_384);
-    #[allow(clippy::cast_precision_loss, reason = "small counts")]
-    let count = lines as f64;
+    let count = as_f64(lines);
     // Rings of one area, by the golden angle: nothing repeats along a plane.
     let line = |number: usize| {
-        #[allow(clippy::cast_precision_loss, reason = "small counts")]
-        let number = number as f64;
+        let number = as_f64(number);
         let square = (number + 0.5) / count;
         let place = DVec2::from_angle(GOLDEN_ANGLE * number) * square.sqrt();
         (place, (1.0 - square).sqrt())
@@ -71,8 +70,7 @@ fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
         let Some(half_spaces) = half_spaces_of_share(own, balls) else {
             return 0.0;
         };
-        #[allow(clippy::cast_precision_loss, reason = "small counts")]
-        let turn = DVec2::from_angle(own as f64);
+        let turn = DVec2::from_angle(as_f64(own));
         let each = lines.iter().map(|&(place, half)| {
             let place = place.rotate(turn) * radius;
             within(place, half * radius, &half_spaces)
@@ -121,11 +119,10 @@ fn within(place: DVec2, height: f64, half_spaces: &[(DVec3, f64)]) -> f64 {
 }
 
 impl LineGrid {
-    #[allow(clippy::cast_precision_loss, reason = "a small count")]
     fn through(low: DVec3, high: DVec3) -> Self {
         Self {
             low,
-            step: (high - low) / LINES as f64,
+            step: (high - low) / as_f64(LINES),
             within: vec![Vec::new(); LINES * LINES],
         }
     }
@@ -143,7 +140,7 @@ impl LineGrid {
         high: DVec3,
         mut tell: impl FnMut(DVec3, &mut Vec<(f64, f64)>),
     ) {
-        let number = |place: f64| place.clamp(0.0, LINES as f64) as usize;
+        let number = |place: f64| place.clamp(0.0, as_f64(LINES)) as usize;
         let first = ((low - self.low) / self.step - 0.5).ceil();
         let after = ((high - self.low) / self.step - 0.5).floor() + 1.0;
         for row in number(first.y)..number(after.y) {
@@ -159,7 +156,7 @@ impl LineGrid {
 
     /// Adds what a closed surface winds around. Returns true if it winds around all of that once, in one direction.
     fn add_surface(&mut self, surface: &Surface) -> bool {
-        let mut crossings = Self::through(self.low, self.low + self.step * LINES as f64);
+        let mut crossings = Self::through(self.low, self.low + self.step * as_f64(LINES));
         for polygon in surface.polygons() {
             let first = surface.points[polygon[0]];
             for pair in polygon[1..].windows(2) {

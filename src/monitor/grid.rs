@@ -1,6 +1,7 @@
 //! The grid of a monitor: the frame of its boxes, and its slices of time. Both are chosen for its scene.
 
 use crate::bounds::{DAabb, Frame, MovingFrame};
+use crate::count::as_f64;
 use crate::error::Error;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -107,8 +108,7 @@ impl SceneEstimate {
                 spacing *= (2.0 * extent).max(reach).cbrt();
             }
             speeds[..count].sort_unstable_by(f64::total_cmp);
-            #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
-            let spacing = (spacing / (scene.len() as f64).cbrt()).max(reach);
+            let spacing = (spacing / as_f64(scene.len()).cbrt()).max(reach);
             slices = 2.0 * lookahead * speeds[count / 2] / spacing;
         }
         Self { slices, middle }
@@ -165,9 +165,8 @@ impl Grid {
     }
 
     /// Returns the number of slices for a scene of which a screening would take so many.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     fn number(slices: f64, bodies: usize) -> f64 {
-        let most = (Self::MAX_BOXES / bodies.max(1) as f64).min(Self::MAX);
+        let most = (Self::MAX_BOXES / as_f64(bodies.max(1))).min(Self::MAX);
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
@@ -205,10 +204,9 @@ impl Grid {
     }
 
     /// Returns true if the grid has far too many boxes for a scene, which has grown.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
         self.slice_count > Self::FEWEST
-            && self.slice_count * scene.len() as f64 > 2.0 * Self::MAX_BOXES
+            && self.slice_count * as_f64(scene.len()) > 2.0 * Self::MAX_BOXES
     }
 
     /// Returns true if f64 resolves at least 4,096 instants in a slice on a clock that shows `now` (s). A grid

@@ -318,16 +318,6 @@ impl MonitoredBodies {
         })
     }
 
-    /// Returns the interval in which the body in each slot exists (s): see [`present`](Self::present).
-    pub(super) fn lives(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.present(0..self.len()).map(|(life, _)| life)
-    }
-
-    /// Returns the number of each body's cubics, by slot.
-    pub(super) fn cubics(&self) -> impl Iterator<Item = u32> {
-        self.present(0..self.len()).map(|(_, cubics)| cubics)
-    }
-
     /// Prefetches the facts about the body in a slot.
     pub(super) fn prefetch(&self, slot: u32) {
         if let Some(monitored) = self.by_slot.get(slot as usize) {

@@ -28,7 +28,8 @@ impl<'m> PreparedBodies<'m> {
     /// Lists when all bodies exist, in memory of a pool.
     pub(super) fn of(table: BodyTable<'m>, limits: Limits, pool: &'m Pool<SearchScratch>) -> Self {
         let mut bodies = Self::unlisted(table, limits, pool);
-        bodies.memory.lifetimes.fill(table.monitored.lives());
+        let lives = table.monitored.present(0..table.monitored.len());
+        bodies.memory.lifetimes.fill(lives.map(|(life, _)| life));
         bodies
     }
 
@@ -64,9 +65,9 @@ impl<'m> PreparedBodies<'m> {
                 SHARE,
                 |share, (lives, _), statistics| {
                     let slots = share * SHARE..share * SHARE + lives.len();
-                    for (life, body) in lives.iter_mut().zip(monitored.present(slots)) {
-                        add(statistics, body, window);
-                        *life = body.0;
+                    for (life, (ends, cubics)) in lives.iter_mut().zip(monitored.present(slots)) {
+                        statistics.add(ends, window, (0.0, cubics));
+                        *life = ends;
                     }
                 },
             );
@@ -75,9 +76,9 @@ impl<'m> PreparedBodies<'m> {
                 statistics.segments += share.segments;
             }
         } else {
-            lifetimes.fill(monitored.present(0..count).map(|body| {
-                add(&mut statistics, body, window);
-                body.0
+            lifetimes.fill(monitored.present(0..count).map(|(life, cubics)| {
+                statistics.add(life, window, (0.0, cubics));
+                life
             }));
         }
         (bodies, statistics)
@@ -142,25 +143,10 @@ impl<'m> PreparedBodies<'m> {
     /// Returns the statistics of a window (s) on which the number of slices depends.
     pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
-        let bodies = self.table.monitored.cubics();
-        for (&life, cubics) in self.memory.lifetimes.lives().iter().zip(bodies) {
-            add(&mut statistics, (life, cubics), window);
+        let monitored = self.table.monitored;
+        for (life, cubics) in monitored.present(0..monitored.len()) {
+            statistics.add(life, window, (0.0, cubics));
         }
         statistics
-    }
-}
-
-/// Adds what a body with so many cubics does in a window (s), given when it exists (s).
-#[inline]
-fn add(
-    statistics: &mut SceneStatistics,
-    (life, cubics): ((f64, f64), u32),
-    (from, to): (f64, f64),
-) {
-    let (first, last) = life;
-    let time = (last.min(to) - first.max(from)).max(0.0);
-    statistics.body_time += time;
-    if last > first {
-        statistics.segments += f64::from(cubics) * (time / (last - first));
     }
 }

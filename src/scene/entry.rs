@@ -33,10 +33,7 @@ impl MotionSummary {
             let position = trajectory
                 .position(summary.compact.ends().0)
                 .unwrap_or_default();
-            summary.extremes.include(DAabb {
-                low: position,
-                high: position,
-            });
+            summary.extremes.include(DAabb::of_point(position));
         }
         summary
     }
@@ -125,10 +122,7 @@ impl SceneEntry {
     /// Returns the approximate extremes of all segments, m; of straight motions, the first one's origin.
     pub(crate) fn extremes(&self) -> DAabb {
         match self.body.trajectory.straight_motions().first() {
-            Some(motion) => DAabb {
-                low: motion.origin(),
-                high: motion.origin(),
-            },
+            Some(motion) => DAabb::of_point(motion.origin()),
             None => self.summary().extremes,
         }
     }

@@ -4,6 +4,7 @@ use super::prepared::PreparedScene;
 use crate::accuracy::Accuracy;
 use crate::broad_phase::PairFilter;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
+use crate::count::as_f64;
 use crate::id::BodyId;
 use crate::narrow_phase::{
     Approach, BodyView, CertifiedContact, Contact, Workspace, certified_contacts, contacts,
@@ -164,9 +165,8 @@ impl PreparedScene<'_> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "shown, not computed with")]
 fn ratio(done: usize, all: usize) -> f64 {
-    done as f64 / all as f64
+    as_f64(done) / as_f64(all)
 }
 
 /// Prefetches the data of later pairs, which is scattered in memory.

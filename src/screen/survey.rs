@@ -1,6 +1,7 @@
 //! Scene-wide statistics, gathered in one pass over the bodies.
 
 use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
+use crate::count::short;
 use crate::knots::Knots;
 use crate::scene::{Scene, SceneEntry};
 use crate::search::SceneStatistics;
@@ -83,6 +84,7 @@ impl SceneSurvey {
         }
         let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
+        let window = (self.window.start(), self.window.end());
         let pieces = motions.iter().zip(body.trajectory.piece_knots().windows(2));
         for (motion, ends) in pieces {
             self.count_straight(motion, (ends[0], ends[1]));
@@ -90,7 +92,8 @@ impl SceneSurvey {
         if motions.is_empty() {
             let plan = entry.summary();
             self.plans.include(plan.extremes);
-            self.count(own, (plan.path, body.trajectory.cubics().len()));
+            let cubics = short(body.trajectory.cubics().len());
+            self.statistics.add(own, window, (plan.path, cubics));
         }
         if let Some(extension) = extension {
             let plan = &body.trajectory;
@@ -109,17 +112,11 @@ impl SceneSurvey {
     fn count_straight(&mut self, motion: &StraightMotion, (first, last): (f64, f64)) {
         let (from, to) = (first.max(self.window.start()), last.min(self.window.end()));
         let at = |time: f64| motion.origin() + motion.displacement_to(time);
-        let mut extremes = DAabb {
-            low: motion.origin(),
-            high: motion.origin(),
-        };
+        let mut extremes = DAabb::of_point(motion.origin());
         self.plans.include(extremes);
         if from <= to {
             for position in [at(from), at(to)] {
-                extremes.include(DAabb {
-                    low: position,
-                    high: position,
-                });
+                extremes.include(DAabb::of_point(position));
             }
             let time = to - from;
             self.statistics.body_time += time;
@@ -135,29 +132,11 @@ impl SceneSurvey {
     fn count_beyond(&mut self, segment: &Segment, (from, to): (f64, f64), pieces: u32) {
         let [begin, end] = [from, to].map(|time| segment.motion_at(time).0);
         for position in [begin, end] {
-            self.beyond.include(DAabb {
-                low: position,
-                high: position,
-            });
+            self.beyond.include(DAabb::of_point(position));
         }
-        self.count((from, to), (begin.distance(end), pieces as usize));
-    }
-
-    /// Adds the part within the window of a motion between two instants (s), with its path (m) and
-    /// number of segments.
-    #[inline]
-    fn count(&mut self, (from, to): (f64, f64), (path, segments): (f64, usize)) {
-        let (start, end) = (self.window.start(), self.window.end());
-        let time = (to.min(end) - from.max(start)).max(0.0);
-        self.statistics.body_time += time;
-        let duration = to - from;
-        if duration > 0.0 {
-            let share = time / duration;
-            #[allow(clippy::cast_precision_loss, reason = "an estimate")]
-            let segments = segments as f64;
-            self.statistics.path += path * share;
-            self.statistics.segments += segments * share;
-        }
+        let window = (self.window.start(), self.window.end());
+        self.statistics
+            .add((from, to), window, (begin.distance(end), pieces));
     }
 
     /// Returns a frame for all bodies that exist in the window, centred on most of them.

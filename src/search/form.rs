@@ -3,7 +3,7 @@
 use super::body_walk::{Ahead, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk};
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
-use crate::count::short;
+use crate::count::{as_f64, short};
 use crate::simd::Task;
 use parry3d::bounding_volume::Aabb;
 
@@ -157,12 +157,11 @@ fn goes_in_runs<C: BoundingCubic, const MOVES: bool>(
 ) -> bool {
     let (first, last) = source.knots.ends();
     let (from, to) = ends_of(slice_intervals);
-    #[allow(clippy::cast_precision_loss, reason = "an estimate")]
     let [cubics, runs] = [
         source.knots.cubics(),
         2 * CubicRun::SIZE * slice_intervals.len(),
     ]
-    .map(|count| count as f64);
+    .map(as_f64);
     source.is_in_runs() && cubics * (to - from) > runs * (last - first)
 }
 
@@ -279,10 +278,7 @@ mod tests {
                             );
                             tightest = tightest.min(f64::from(fat_line.radius) - deviation);
                             let position = position - common * (time - from);
-                            sampled.include(DAabb {
-                                low: position,
-                                high: position,
-                            });
+                            sampled.include(DAabb::of_point(position));
                         }
                     }
                     assert_eq!(boxes.is_empty(), sampled.low.x > sampled.high.x);

@@ -26,6 +26,25 @@ pub(crate) struct SceneStatistics {
 }
 
 impl SceneStatistics {
+    /// Adds the part within a window (s) of a motion between two instants (s), with its path (m) and its number of
+    /// segments.
+    #[inline]
+    pub(crate) fn add(
+        &mut self,
+        (from, to): (f64, f64),
+        (start, end): (f64, f64),
+        (path, segments): (f64, u32),
+    ) {
+        let time = (to.min(end) - from.max(start)).max(0.0);
+        self.body_time += time;
+        let duration = to - from;
+        if duration > 0.0 {
+            let share = time / duration;
+            self.path += path * share;
+            self.segments += f64::from(segments) * share;
+        }
+    }
+
     /// Returns the mean number of bodies that exist at a time in a window.
     pub(crate) fn present(&self, (start, end): (f64, f64)) -> f64 {
         if end > start {
@@ -43,9 +62,7 @@ impl SceneStatistics {
             0.0
         }
     }
-}
 
-impl SceneStatistics {
     /// Returns the largest useful number of slices. Forming the boxes of one slice, or passing an
     /// empty one, costs as much as examining as many spans. Slices save at most the work for all
     /// the spans of all pairs.

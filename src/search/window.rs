@@ -9,7 +9,7 @@ use super::{
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter, mean_size};
-use crate::count::short;
+use crate::count::{as_f64, short};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -316,14 +316,13 @@ struct Size {
 }
 
 impl Size {
-    #[allow(clippy::cast_precision_loss, reason = "a number of bodies")]
     fn of(slice: &SliceBounds) -> Self {
         let boxes = slice.boxes.len();
         if boxes == 0 {
             return Self::default();
         }
         let (extent, volume) = mean_size(&slice.boxes);
-        let pairs = volume * (boxes as f64).powi(2);
+        let pairs = volume * as_f64(boxes).powi(2);
         Self { extent, pairs }
     }
 

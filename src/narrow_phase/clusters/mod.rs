@@ -79,17 +79,6 @@ impl<'a> ClusterPair<'a> {
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
-    /// `clip`; `solve` gets that part as well.
-    pub(super) fn each_within(
-        &self,
-        margin: f64,
-        clip: (f64, f64),
-        solve: impl FnMut(&SpherePair, Span),
-    ) {
-        self.each_near(margin, clip, f64::NEG_INFINITY, solve);
-    }
-
-    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
     /// `clip` and does not begin before `after` (s). Returns the end of the last such part, the next
     /// value of `after`; infinity if it ends with the span.
     pub(super) fn each_within_after(
@@ -168,7 +157,7 @@ impl<'a> ClusterPair<'a> {
     ) {
         let mut contacts = Vec::new();
         if self.over_plane().is_some() {
-            return self.each_within(margin, clip, |pair, part| {
+            return self.each_near(margin, clip, f64::NEG_INFINITY, |pair, part| {
                 contacts.clear();
                 solve(pair, part, &mut contacts);
             });

@@ -3,6 +3,7 @@
 //! From each knot the longest step within the tolerance leads to the next one. No other choice needs fewer knots,
 //! if longer pieces have larger errors. Then all knots move a little, so that the last piece is not a short one.
 
+use crate::count::as_f64;
 use crate::error::{Error, MAX_MAGNITUDE};
 
 /// [Share](PieceError::share) that a step aims at.
@@ -182,16 +183,16 @@ fn evenly_shortened(knots: &[f64], share: f64) -> Vec<f64> {
     // Length of the last piece, in units of the longest one that would do.
     let last = share.sqrt().sqrt().min((end - from) / (from - before));
     let last = last.clamp(1e-3, 1.0);
-    let ratio = (as_number(pieces) + last) / as_number(pieces + 1);
+    let ratio = (as_f64(pieces) + last) / as_f64(pieces + 1);
     let mut balanced = knots.to_vec();
     for (number, knot) in balanced.iter_mut().enumerate().take(pieces + 1).skip(1) {
         // A shorter piece before each: the knot lies in the piece before it, or in an earlier one.
-        let place = as_number(number) * ratio;
+        let place = as_f64(number) * ratio;
         let mut piece = number - 1;
-        while as_number(piece) > place {
+        while as_f64(piece) > place {
             piece -= 1;
         }
-        let inside = place - as_number(piece);
+        let inside = place - as_f64(piece);
         *knot = knots[piece] + (knots[piece + 1] - knots[piece]) * inside;
     }
     balanced
@@ -217,13 +218,4 @@ fn error_within(
         largest = Some(error.max(largest.unwrap_or(0.0)));
     }
     Ok(largest)
-}
-
-/// Returns a count as f64. Counts of knots are far below 2^53.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "the memory for 2^53 knots does not exist"
-)]
-const fn as_number(count: usize) -> f64 {
-    count as f64
 }
