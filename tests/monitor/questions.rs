@@ -5,7 +5,7 @@ use super::scenarios::tick;
 use super::support::{bits, rng, rng as support_rng, vector, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Hitbox, Layers, Monitor, Outside, Query, Scene, State,
+    AlertLevel, Body, BodyId, Budget, Error, Hitbox, Layers, Monitor, Outside, Query, Scene, State,
     Trajectory, Window,
 };
 use rand::RngExt;
@@ -92,32 +92,37 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut [BodyId]) {
 
 /// Asks about an idea for a body: as many conflicts as a screening finds, and the same.
 fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
-    let would = monitor.what_if(id, idea, level).unwrap();
+    let would = monitor.what_if(id, idea, level);
     let window = (monitor.now(), monitor.complete_until());
-    let mut screened = Vec::new();
-    if window.0 < window.1 {
-        let mut scene = monitor.scene().clone();
-        scene.set_trajectory(id, idea.clone()).unwrap();
-        let window = Window::new(window.0, window.1).unwrap();
-        let query = Query::new(window).with_margin(LEVELS[level].margin);
-        screened = scene.screen(&query).unwrap().conflicts;
-        screened.retain(|one| one.a == id || one.b == id);
+    if window.0 >= window.1 {
+        assert!(matches!(would, Err(Error::NothingKnown { .. })));
+        return 0;
     }
+    let would = would.unwrap();
+    let mut scene = monitor.scene().clone();
+    scene.set_trajectory(id, idea.clone()).unwrap();
+    let window = Window::new(window.0, window.1).unwrap();
+    let query = Query::new(window).with_margin(LEVELS[level].margin);
+    let mut screened = scene.screen(&query).unwrap().conflicts;
+    screened.retain(|one| one.a == id || one.b == id);
     assert_eq!(bits(&would), bits(&screened), "{window:?} {level}");
     would.len()
 }
 
 /// Asks about a body that is not there yet: as many conflicts as a screening with it finds.
 fn ask_about_body(monitor: &Monitor, body: &Body, level: usize) -> usize {
-    let would = monitor.what_if_body(body, level).unwrap();
+    let would = monitor.what_if_body(body, level);
+    if monitor.complete_until() <= monitor.now() {
+        assert!(matches!(would, Err(Error::NothingKnown { .. })));
+        return 0;
+    }
+    let would = would.unwrap();
     let mut scene = monitor.scene().clone();
     let id = scene.insert(body.clone()).unwrap();
-    let mut screened = Vec::new();
-    if let Ok(window) = Window::new(monitor.now(), monitor.complete_until()) {
-        let query = Query::new(window).with_margin(monitor.levels()[level].margin);
-        screened = scene.screen(&query).unwrap().conflicts;
-        screened.retain(|one| one.a == id || one.b == id);
-    }
+    let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
+    let query = Query::new(window).with_margin(monitor.levels()[level].margin);
+    let mut screened = scene.screen(&query).unwrap().conflicts;
+    screened.retain(|one| one.a == id || one.b == id);
     assert_eq!(bits(&would), bits(&screened), "{level}");
     would.len()
 }
@@ -253,9 +258,9 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
     assert!(found > 2_000, "{found}");
 }
 
-/// While nothing after now is known, no question is answered: as [`Monitor::conflicts`] says none.
+/// While nothing after now is known, a question is refused: an empty answer would look like a free way.
 #[test]
-fn nothing_is_found_before_the_first_tick() {
+fn nothing_is_said_before_the_first_tick() {
     let rest = |height: f64| Body::new(Trajectory::at_rest(height * DVec3::Z).unwrap());
     let floor = rest(0.0).with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
     let plan = Trajectory::at_rest(0.25 * DVec3::Z).unwrap();
@@ -268,18 +273,25 @@ fn nothing_is_found_before_the_first_tick() {
         ids.truncate(1);
         let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(1.0)]).unwrap();
         let asked = |monitor: &Monitor| {
-            let of_plan = monitor.what_if(ids[0], &plan, 0).unwrap();
-            let of_body = monitor.what_if_body(&rest(0.0), 0).unwrap();
-            [of_plan.len(), of_body.len()]
+            let of_plan = monitor.what_if(ids[0], &plan, 0);
+            let of_body = monitor.what_if_body(&rest(0.0), 0);
+            [of_plan, of_body].map(|answer| answer.map(|conflicts| conflicts.len()))
         };
-        assert_eq!(asked(&monitor), [0; 2]);
+        let refused = |now: f64, complete_until: f64| {
+            let error = Error::NothingKnown {
+                now,
+                complete_until,
+            };
+            [Err(error.clone()), Err(error)]
+        };
+        assert_eq!(asked(&monitor), refused(0.0, 0.0));
         tick(&mut monitor, 0.0);
-        assert_eq!(asked(&monitor), [found - 1, found]);
+        assert_eq!(asked(&monitor), [Ok(found - 1), Ok(found)]);
         // The clock goes on, and no work is allowed.
         let none = Budget::Work(0);
         monitor.advance_within(99.0, none, &mut Vec::new()).unwrap();
         assert!(monitor.complete_until() <= monitor.now());
-        assert_eq!(asked(&monitor), [0; 2]);
+        assert_eq!(asked(&monitor), refused(99.0, monitor.complete_until()));
         assert!(monitor.conflicts(0).unwrap().is_empty());
     }
 }

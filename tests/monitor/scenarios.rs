@@ -467,3 +467,50 @@ fn a_release_margin_next_to_the_margin_loses_no_encounter() {
         assert_eq!(lost, 0, "{release:?}");
     }
 }
+
+/// A body counts from the clock of the last tick on. Inserted after the tick at whose clock it appears, a bullet does not
+/// meet the one who fired it; inserted before, it is taken to have flown through him. One that is removed before the tick has
+/// hit nothing since the last one.
+#[test]
+fn insertions_and_removals_count_from_the_last_tick_on() {
+    let ball = |state: State, radius: f64| {
+        let body = Body::new(Trajectory::coasting(state).unwrap());
+        body.with_hitbox(Hitbox::sphere(radius).unwrap())
+    };
+    let shooter = ball(State::new(0.0, [0.0; 3], [0.0; 3]), 0.5);
+    // 0.25 m away when it appears, and flying away.
+    let bullet = |now: f64| ball(State::new(now, [0.8, 0.0, 0.0], [100.0, 0.0, 0.0]), 0.05);
+    let begun = |events: &[Event]| {
+        let began = |event: &&Event| matches!(event.kind, EventKind::Began(_));
+        events.iter().filter(began).count()
+    };
+    for is_after in [true, false] {
+        let mut scene = Scene::new();
+        scene.insert(shooter.clone()).unwrap();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(0.0)]).unwrap();
+        tick(&mut monitor, 1.0);
+        let mut events = Vec::new();
+        if is_after {
+            events.extend(tick(&mut monitor, 1.1));
+        }
+        monitor.insert(bullet(1.1)).unwrap();
+        events.extend(tick(&mut monitor, 1.1));
+        events.extend(tick(&mut monitor, 1.2));
+        assert_eq!(begun(&events), usize::from(!is_after));
+    }
+    for is_after in [true, false] {
+        let mut scene = Scene::new();
+        scene.insert(shooter.clone()).unwrap();
+        let towards = State::new(0.0, [20.0, 0.0, 0.0], [-100.0, 0.0, 0.0]);
+        let hit = scene.insert(ball(towards, 0.05)).unwrap();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(0.0)]).unwrap();
+        tick(&mut monitor, 0.0);
+        let mut events = Vec::new();
+        if is_after {
+            events.extend(tick(&mut monitor, 0.5));
+        }
+        monitor.remove(hit).unwrap();
+        events.extend(tick(&mut monitor, 0.5));
+        assert_eq!(begun(&events), usize::from(is_after));
+    }
+}
