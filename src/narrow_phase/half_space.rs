@@ -27,7 +27,7 @@ pub(super) struct PlanePair<'a> {
     plane: &'a BodyView<'a>,
     pub(super) span: Span,
     /// The half-space is body a.
-    is_first: bool,
+    pub(super) is_first: bool,
     normal: DVec3,
     /// Inverse of the normal's length, good to 4 roundings.
     scale: f64,
@@ -44,6 +44,19 @@ pub(super) struct SphereAlong {
     pub(super) rounding: f64,
     /// Bound on the distance of a turning centre from its cubic that the radius does not contain, m.
     pub(super) path_error: f64,
+}
+
+impl SphereAlong {
+    /// Returns a sphere that does not turn, with the coordinate of its offset and a bound on that one's rounding, m.
+    pub(super) const fn resting(number: u32, radius: f64, along: f64, rounding: f64) -> Self {
+        Self {
+            number,
+            radius,
+            way: [along; 4],
+            rounding,
+            path_error: 0.0,
+        }
+    }
 }
 
 /// Returns the pair of a half-space and the sphere that is nearest to it, or `None` if neither body
@@ -168,13 +181,7 @@ impl<'a> PlanePair<'a> {
 
     /// Returns the sphere that reaches farthest down, of a body that does not turn.
     fn lowest_sphere(&self) -> SphereAlong {
-        let mut found = SphereAlong {
-            number: 0,
-            radius: 0.0,
-            way: [0.0; 4],
-            rounding: 0.0,
-            path_error: 0.0,
-        };
+        let mut found = SphereAlong::resting(0, 0.0, 0.0, 0.0);
         let (mut least, mut rounding) = (f64::INFINITY, 0.0_f64);
         for (number, sphere) in (0..).zip(self.body.spheres) {
             let along = self.along(sphere.offset);
@@ -182,13 +189,7 @@ impl<'a> PlanePair<'a> {
             rounding = rounding.max(own + 2.0 * UNIT_ROUNDOFF * (along.abs() + sphere.radius));
             if along - sphere.radius < least {
                 least = along - sphere.radius;
-                found = SphereAlong {
-                    number,
-                    radius: sphere.radius,
-                    way: [along; 4],
-                    rounding: own,
-                    path_error: 0.0,
-                };
+                found = SphereAlong::resting(number, sphere.radius, along, own);
             }
         }
         if self.body.spheres.len() > 1 {

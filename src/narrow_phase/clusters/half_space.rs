@@ -18,8 +18,6 @@ use glam::DVec3;
 /// A turning body and a half-space over a span.
 pub(super) struct TurningOverPlane<'a> {
     views: [&'a BodyView<'a>; 2],
-    /// The half-space is body a.
-    is_first: bool,
     pair: PlanePair<'a>,
     accuracy: Accuracy,
 }
@@ -34,7 +32,6 @@ impl<'a> TurningOverPlane<'a> {
     ) -> Option<Self> {
         Some(Self {
             views: [a, b],
-            is_first: a.is_half_space(),
             pair: PlanePair::of(a, b, span)?,
             accuracy,
         })
@@ -115,13 +112,7 @@ impl<'a> TurningOverPlane<'a> {
 
     /// Returns the bounding sphere over the whole span.
     fn bounding(&self) -> SpherePair {
-        let sphere = SphereAlong {
-            number: 0,
-            radius: self.pair.body.bounding.radius,
-            way: [0.0; 4],
-            rounding: 0.0,
-            path_error: 0.0,
-        };
+        let sphere = SphereAlong::resting(0, self.pair.body.bounding.radius, 0.0, 0.0);
         let span = self.pair.span;
         self.pair
             .sphere_pair(span, &self.pair.heights(span), &sphere)
@@ -143,7 +134,7 @@ impl<'a> TurningOverPlane<'a> {
             return None;
         }
         let rotations = rotations.over(self.views, cell, self.accuracy);
-        let rotation = rotations[usize::from(self.is_first)];
+        let rotation = rotations[usize::from(self.pair.is_first)];
         let spheres = (0..).zip(self.pair.body.spheres);
         ways.clear();
         ways.extend(
@@ -191,13 +182,8 @@ impl<'a> TurningOverPlane<'a> {
         rotation: Option<&BakedRotation>,
     ) -> SphereAlong {
         let Some(rotation) = rotation else {
-            return SphereAlong {
-                number,
-                radius,
-                way: [self.pair.along(centre); 4],
-                rounding: self.pair.rounding_along(centre),
-                path_error: 0.0,
-            };
+            let (along, rounding) = (self.pair.along(centre), self.pair.rounding_along(centre));
+            return SphereAlong::resting(number, radius, along, rounding);
         };
         let way = rotation.way(centre);
         let rounding = way.map(|point| self.pair.rounding_along(point));
@@ -221,7 +207,7 @@ impl TurningOverPlane<'_> {
             let heights = self.pair.heights(cell.span);
             let mut rotations = Rotations::default();
             let rotations = rotations.over(self.views, &cell, self.accuracy);
-            let rotation = rotations[usize::from(self.is_first)];
+            let rotation = rotations[usize::from(self.pair.is_first)];
             for (number, sphere) in (0..).zip(self.pair.body.spheres) {
                 let sphere = (sphere.offset, sphere.radius);
                 let sphere = self.sphere(number, sphere, rotation);
