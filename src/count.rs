@@ -12,9 +12,12 @@ pub(crate) const fn short(count: usize) -> u32 {
     count as u32
 }
 
-/// Converts a count to a number, to rounding: for estimates and means.
+/// Converts a count to a number: exact below 2^53.
 #[inline(always)]
-#[allow(clippy::cast_precision_loss, reason = "rounding does not matter")]
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "the memory for 2^53 of anything does not exist"
+)]
 pub(crate) const fn as_f64(count: usize) -> f64 {
     count as f64
 }

@@ -363,7 +363,7 @@ pub enum Error {
          whole instead (set_trajectory)"
     )]
     NoOldPlan {
-        /// Time of the change, s.
+        /// Time of the change, s; of a late plan, the instant from which it would be followed.
         time: f64,
         /// First instant of the plan so far, s.
         start: f64,
@@ -386,7 +386,8 @@ pub enum Error {
         /// Last instant of the new plan, s.
         end: f64,
     },
-    /// A monitor is asked about the time ahead, and knows nothing of it: before its first tick, or while a
+    /// A monitor is asked about the time ahead, and knows nothing of it: before its first tick, before the first one after
+    /// it was [restored](crate::Monitor::restore) with changes that no tick had seen, or while a
     /// [budget](crate::Monitor::advance_within) leaves it behind its clock.
     #[error(
         "the monitor knows nothing of the time ahead: its clock shows {now:?} s, and all is known up to \

@@ -65,7 +65,7 @@
 //! | twice the error to a minimiser | `enclosure/minimum` | `tests/extended/tests/enclosure` |
 //! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/extended/tests/enclosure` |
 //! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
-//! | squares of a part, crossings, cuts | `enclosure/crossings` | proof 4 |
+//! | squares of a part, crossings, trims | `enclosure/crossings` | proof 4 |
 //! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/extended/tests/kernels.rs` |
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
 //! | underflow of a screen | `kernels/screen` | `kernels::exactly::screens_are_rounded_outward` |
@@ -96,7 +96,7 @@
 //! 3. Second order: only the bounds' own rounding.
 //! 4. Eight roundings of a square where seven are counted, four of a square for three, four of an
 //!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.
-//! 5. Coefficients take 14 of the margin's 16 roundings, thresholds two: none to spare in the worst
+//! 5. Coefficients take 14 of the tolerance's 16 roundings, thresholds two: none to spare in the worst
 //!    case, and most of the 14 in all others.
 //! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: the
 //!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far

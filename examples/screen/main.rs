@@ -48,7 +48,7 @@ struct Arguments {
     /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers (07 is 7) or,
     /// if one is none, names.
     states: PathBuf,
-    /// Radius of every body, m; 0 if neither this is given nor the file has a column radius. Refused beside one.
+    /// Radius of every body, m; 0 if neither this is given nor the file has a column radius. Refused beside such a column.
     #[arg(
         long = "radius",
         value_parser = parse_radius,

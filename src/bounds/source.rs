@@ -35,15 +35,15 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     #[inline(always)]
     pub(crate) fn sub_cubic<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
         if EXTENDED {
-            return self.piece_of_extended(number);
+            return self.sub_cubic_of_extended(number);
         }
         let knots = self.knots.own();
-        self.own_piece(number, (knots[number], knots[number + 1]))
+        self.own_sub_cubic(number, (knots[number], knots[number + 1]))
     }
 
     /// Returns a whole cubic of the plan.
     #[inline(always)]
-    fn own_piece(&self, number: usize, ends: (f64, f64)) -> SubCubic {
+    fn own_sub_cubic(&self, number: usize, ends: (f64, f64)) -> SubCubic {
         match self.cubics.get(number) {
             Some(cubic) => cubic.sub_cubic(ends, &self.placement),
             None => SubCubic::anywhere(ends),
@@ -51,10 +51,10 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     }
 
     #[inline(never)]
-    fn piece_of_extended(&self, number: usize) -> SubCubic {
+    fn sub_cubic_of_extended(&self, number: usize) -> SubCubic {
         let ends = (self.knots.at(number), self.knots.at(number + 1));
         match self.knots.segment_beyond(number) {
-            None => self.own_piece(number - self.knots.before(), ends),
+            None => self.own_sub_cubic(number - self.knots.before(), ends),
             Some(segment) => segment.sub_cubic(ends, &self.placement),
         }
     }

@@ -1,7 +1,7 @@
 //! Covers that follow from a formula.
 
 use super::certificate::Certified;
-use super::form::SolidShape;
+use super::form::SolidForm;
 use super::solid::{Solid, SolidPart};
 use crate::count::as_f64;
 use glam::DVec3;
@@ -28,7 +28,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
     let [SolidPart::Convex(convex)] = &solid.parts[..] else {
         return None;
     };
-    let SolidShape::Capsule { ends, radius } = convex.form() else {
+    let SolidForm::Capsule { ends, radius } = convex.form() else {
         return None;
     };
     let length = ends[0].distance(ends[1]);

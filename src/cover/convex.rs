@@ -1,6 +1,6 @@
 //! Convex forms: how deep a point lies in them, and polyhedra around them.
 
-use super::form::{Round, SolidShape, across};
+use super::form::{Round, SolidForm, across};
 use super::hull::convex_hull;
 use super::surface::{HalfSpace, Surface, is_closed};
 use crate::count::as_f64;
@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// A convex form with what its depth needs.
 #[derive(Clone, Debug)]
 pub(super) struct Convex {
-    form: SolidShape,
+    form: SolidForm,
     /// Half-spaces within which a hull's points are deep in the hull; of no other form.
     faces: Vec<HalfSpace>,
     /// A point inside, and its depth.
@@ -59,7 +59,7 @@ impl Faces {
 }
 
 impl Convex {
-    pub(super) fn new(form: SolidShape) -> Self {
+    pub(super) fn new(form: SolidForm) -> Self {
         let mut convex = Self {
             form,
             faces: Vec::new(),
@@ -67,7 +67,7 @@ impl Convex {
             unevenness: 0.0,
         };
         let inner = match &mut convex.form {
-            SolidShape::Hull { points, polygons } => {
+            SolidForm::Hull { points, polygons } => {
                 let count = as_f64(points.len().max(1));
                 let inner = points.iter().sum::<DVec3>() / count;
                 let mut faces = Faces::new(points, polygons, inner);
@@ -85,7 +85,7 @@ impl Convex {
                 } = faces;
                 inner
             }
-            SolidShape::Round(round) => {
+            SolidForm::Round(round) => {
                 // The middle of the largest ball within lies on the axis: of a cone, it touches the lower end.
                 let (outward, upward) = round.slope();
                 let depth = round.radii[0] * outward / (1.0 + upward);
@@ -96,8 +96,8 @@ impl Convex {
                 };
                 round.middle + round.axis * along
             }
-            SolidShape::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
-            SolidShape::Mesh { .. } => DVec3::ZERO,
+            SolidForm::Capsule { ends, .. } => ends[0].midpoint(ends[1]),
+            SolidForm::Mesh { .. } => DVec3::ZERO,
         };
         convex.inner = (inner, (-convex.height(inner).0).max(0.0));
         convex
@@ -106,7 +106,7 @@ impl Convex {
     /// Returns the triangles of a hull that has no depth to rounding, with its points.
     pub(super) fn flat_triangles(&self) -> Option<(Vec<DVec3>, Vec<[usize; 3]>)> {
         const NO_DEPTH: f64 = 1e-12;
-        let SolidShape::Hull { points, polygons } = &self.form else {
+        let SolidForm::Hull { points, polygons } = &self.form else {
             return None;
         };
         let fan = |polygon: &Vec<usize>| {
@@ -118,7 +118,7 @@ impl Convex {
         is_flat.then(|| (points.clone(), polygons.iter().flat_map(fan).collect()))
     }
 
-    pub(super) const fn form(&self) -> &SolidShape {
+    pub(super) const fn form(&self) -> &SolidForm {
         &self.form
     }
 
@@ -127,13 +127,13 @@ impl Convex {
     fn height(&self, at: DVec3) -> (f64, DVec3) {
         let higher = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
         match &self.form {
-            SolidShape::Hull { .. } | SolidShape::Mesh { .. } => {
+            SolidForm::Hull { .. } | SolidForm::Mesh { .. } => {
                 let heights = self.faces.iter().map(|face| (face.height(at), face.normal));
                 let from_inner = at - self.inner.0;
                 let flat = (from_inner.length(), from_inner.normalize_or_zero());
                 heights.reduce(higher).unwrap_or(flat)
             }
-            SolidShape::Round(round) => {
+            SolidForm::Round(round) => {
                 let (along, out, away) = round.split(at);
                 let (outward, upward) = round.slope();
                 let Round {
@@ -143,7 +143,7 @@ impl Convex {
                 let ends = higher((-half_height - along, -axis), (along - half_height, axis));
                 higher((side, out * outward + axis * upward), ends)
             }
-            SolidShape::Capsule { ends, radius } => {
+            SolidForm::Capsule { ends, radius } => {
                 let away = at - nearest_on_segment(*ends, at);
                 (away.length() - radius, away.normalize_or_zero())
             }
@@ -154,7 +154,7 @@ impl Convex {
     /// signed distance to rounding.
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
         let (height, gradient) = self.height(at);
-        if height <= 0.0 || matches!(self.form, SolidShape::Capsule { .. }) {
+        if height <= 0.0 || matches!(self.form, SolidForm::Capsule { .. }) {
             return (height, gradient);
         }
         // On the way to the inner point the height is convex: it has fallen to 0 by this share.
@@ -167,16 +167,16 @@ impl Convex {
     /// a multiple of 4.
     pub(super) fn polyhedron(&self, around: u32) -> Surface {
         match &self.form {
-            SolidShape::Hull { points, polygons } => {
+            SolidForm::Hull { points, polygons } => {
                 let mut surface = Surface::new(points.clone(), true);
                 for polygon in polygons {
                     surface.push_polygon(polygon.iter().copied());
                 }
                 surface
             }
-            SolidShape::Mesh { .. } => Surface::default(),
-            SolidShape::Round(round) => revolve(round.middle, round.axis, &round.ends(), around),
-            SolidShape::Capsule { ends, radius } => {
+            SolidForm::Mesh { .. } => Surface::default(),
+            SolidForm::Round(round) => revolve(round.middle, round.axis, &round.ends(), around),
+            SolidForm::Capsule { ends, radius } => {
                 let axis = (ends[1] - ends[0]).try_normalize().unwrap_or(DVec3::Z);
                 let half = ends[0].distance(ends[1]) / 2.0;
                 let profile = capsule_profile(half, *radius, around / 4);
@@ -304,13 +304,13 @@ mod tests {
     /// Triangles of the hull take the place of polygons that leave a gap.
     #[test]
     fn polygons_of_hulls_leave_no_gap() {
-        let SolidShape::Hull { points, polygons } = SolidShape::cuboid(DVec3::ONE) else {
+        let SolidForm::Hull { points, polygons } = SolidForm::cuboid(DVec3::ONE) else {
             unreachable!()
         };
         let whole = polygons.clone();
         for (polygons, expected) in [(whole, 6), (polygons[1..].to_vec(), 12)] {
             let points = points.clone();
-            let cube = Convex::new(SolidShape::Hull { points, polygons });
+            let cube = Convex::new(SolidForm::Hull { points, polygons });
             let surface = cube.polyhedron(4);
             assert_eq!(surface.polygons().count(), expected);
             assert!(is_closed(surface.polygons()));

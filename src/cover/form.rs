@@ -34,8 +34,9 @@ impl Round {
     }
 }
 
+/// The form of a solid, in f64: what a shape of parry3d is read into.
 #[derive(Clone, Debug)]
-pub(super) enum SolidShape {
+pub(super) enum SolidForm {
     /// The convex hull of some points, with the polygons of its surface, seen from outside
     /// anticlockwise.
     Hull {
@@ -59,7 +60,7 @@ pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
     axis.any_orthonormal_pair()
 }
 
-impl SolidShape {
+impl SolidForm {
     pub(super) fn cuboid(half_extents: DVec3) -> Self {
         let corner = |number: usize| {
             let sign = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -213,7 +214,7 @@ mod tests {
     fn boxes_contain_discs_at_a_slant() {
         for slant in [1e-9, 3e-8, 1e-4, 0.3] {
             let axis = DVec3::new(slant, 1.0, -slant).normalize();
-            let disc = SolidShape::Round(Round {
+            let disc = SolidForm::Round(Round {
                 middle: DVec3::ZERO,
                 axis,
                 radii: [1.0; 2],

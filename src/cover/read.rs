@@ -1,7 +1,7 @@
 //! Shapes of parry3d, read into forms of f64.
 
 use super::error::CoverError;
-use super::form::{Placement, Round, SolidShape};
+use super::form::{Placement, Round, SolidForm};
 use super::solid::Solid;
 use glam::{DQuat, DVec3};
 use parry3d::math::Pose;
@@ -26,7 +26,7 @@ pub(super) fn read(shape: &dyn Shape) -> Result<Solid, CoverError> {
 }
 
 /// Returns the form of a shape that is no compound.
-fn form(typed: &TypedShape<'_>) -> Result<SolidShape, CoverError> {
+fn form(typed: &TypedShape<'_>) -> Result<SolidForm, CoverError> {
     let kind = kind(typed);
     let length = |length: f32| {
         let length = f64::from(length);
@@ -36,7 +36,7 @@ fn form(typed: &TypedShape<'_>) -> Result<SolidShape, CoverError> {
             .ok_or(CoverError::InvalidShape { kind })
     };
     let round = |radius: f32, upper: f32, half_height: f32| {
-        Ok::<_, CoverError>(SolidShape::Round(Round {
+        Ok::<_, CoverError>(SolidForm::Round(Round {
             middle: DVec3::ZERO,
             axis: DVec3::Y,
             radii: [length(radius)?, length(upper)?],
@@ -44,7 +44,7 @@ fn form(typed: &TypedShape<'_>) -> Result<SolidShape, CoverError> {
         }))
     };
     Ok(match typed {
-        TypedShape::Ball(ball) => SolidShape::Capsule {
+        TypedShape::Ball(ball) => SolidForm::Capsule {
             ends: [DVec3::ZERO; 2],
             radius: length(ball.radius)?,
         },
@@ -53,9 +53,9 @@ fn form(typed: &TypedShape<'_>) -> Result<SolidShape, CoverError> {
             for extent in half_extents {
                 length(extent)?;
             }
-            SolidShape::cuboid(cuboid.half_extents.as_dvec3())
+            SolidForm::cuboid(cuboid.half_extents.as_dvec3())
         }
-        TypedShape::Capsule(capsule) => SolidShape::Capsule {
+        TypedShape::Capsule(capsule) => SolidForm::Capsule {
             ends: [capsule.segment.a, capsule.segment.b].map(|end| end.as_dvec3()),
             radius: length(capsule.radius)?,
         },
@@ -78,7 +78,7 @@ fn placement(pose: &Pose) -> Option<Placement> {
     })
 }
 
-fn polyhedron(hull: &ConvexPolyhedron) -> SolidShape {
+fn polyhedron(hull: &ConvexPolyhedron) -> SolidForm {
     let corners = hull.vertices_adj_to_face();
     let polygons = hull.faces().iter().map(|face| {
         let first = face.first_vertex_or_edge as usize;
@@ -86,13 +86,13 @@ fn polyhedron(hull: &ConvexPolyhedron) -> SolidShape {
         let corners = corners[first..end].iter();
         corners.map(|&corner| corner as usize).collect()
     });
-    SolidShape::Hull {
+    SolidForm::Hull {
         points: points(hull.points()),
         polygons: polygons.collect(),
     }
 }
 
-fn triangles(mesh: &TriMesh) -> SolidShape {
+fn triangles(mesh: &TriMesh) -> SolidForm {
     let all = points(mesh.vertices());
     let corners = mesh.indices().iter().flatten();
     let mut used: Vec<usize> = corners.map(|&corner| corner as usize).collect();
@@ -100,7 +100,7 @@ fn triangles(mesh: &TriMesh) -> SolidShape {
     used.dedup();
     let place = |corner: u32| used.partition_point(|&other| other < corner as usize);
     let triangle = |corners: &[u32; 3]| corners.map(place);
-    SolidShape::Mesh {
+    SolidForm::Mesh {
         triangles: mesh.indices().iter().map(triangle).collect(),
         points: used.iter().map(|&corner| all[corner]).collect(),
     }

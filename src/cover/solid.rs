@@ -1,7 +1,7 @@
 //! A shape as the cover sees it: parts in a unit of their own size.
 
 use super::convex::Convex;
-use super::form::SolidShape;
+use super::form::SolidForm;
 use super::mesh::Mesh;
 use super::surface::Surface;
 use crate::hitbox::Sphere;
@@ -55,7 +55,7 @@ impl SolidPart {
 
     pub(super) const fn is_round(&self) -> bool {
         match self {
-            Self::Convex(convex) => !matches!(convex.form(), SolidShape::Hull { .. }),
+            Self::Convex(convex) => !matches!(convex.form(), SolidForm::Hull { .. }),
             Self::Mesh(_) => false,
         }
     }
@@ -86,14 +86,14 @@ impl SolidPart {
 impl Solid {
     /// Takes forms, each with a bound of the sums that were rounded when it was placed. Returns `None` if they have no
     /// points, or points that are not finite.
-    pub(super) fn new(placed: Vec<(SolidShape, f64)>) -> Option<Self> {
+    pub(super) fn new(placed: Vec<(SolidForm, f64)>) -> Option<Self> {
         let reach = placed.iter().map(|&(_, reach)| reach).fold(0.0, f64::max);
         let balls = placed.iter().map(ball).collect();
-        let mut forms: Vec<SolidShape> = placed.into_iter().map(|(form, _)| form).collect();
+        let mut forms: Vec<SolidForm> = placed.into_iter().map(|(form, _)| form).collect();
         let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-        let (low, high) = forms.iter().map(SolidShape::corners).reduce(join)?;
+        let (low, high) = forms.iter().map(SolidForm::corners).reduce(join)?;
         // Corners are the least and largest of numbers: no NaN is among them.
-        let points = || forms.iter().flat_map(SolidShape::extremes);
+        let points = || forms.iter().flat_map(SolidForm::extremes);
         if !(low.is_finite() && high.is_finite()) || points().any(|(point, _)| point.is_nan()) {
             return None;
         }
@@ -177,9 +177,9 @@ impl Solid {
 }
 
 /// Returns a form that is a ball, if nothing was rounded.
-fn ball((form, rounded): &(SolidShape, f64)) -> Option<Sphere> {
+fn ball((form, rounded): &(SolidForm, f64)) -> Option<Sphere> {
     match form {
-        SolidShape::Capsule { ends, radius } if ends[0] == ends[1] && *rounded <= 0.0 => {
+        SolidForm::Capsule { ends, radius } if ends[0] == ends[1] && *rounded <= 0.0 => {
             Some(Sphere {
                 offset: ends[0],
                 radius: *radius,
@@ -189,9 +189,9 @@ fn ball((form, rounded): &(SolidShape, f64)) -> Option<Sphere> {
     }
 }
 
-fn part(form: SolidShape) -> SolidPart {
+fn part(form: SolidForm) -> SolidPart {
     match form {
-        SolidShape::Mesh { points, triangles } => SolidPart::Mesh(Mesh::new(points, triangles)),
+        SolidForm::Mesh { points, triangles } => SolidPart::Mesh(Mesh::new(points, triangles)),
         convex => {
             let convex = Convex::new(convex);
             // Planes of faces do not bound a depth where there is none, nor a distance.
@@ -204,18 +204,18 @@ fn part(form: SolidShape) -> SolidPart {
 }
 
 /// Returns the largest distance of two points, or somewhat less.
-fn diameter(forms: &[SolidShape]) -> f64 {
+fn diameter(forms: &[SolidForm]) -> f64 {
     const DIRECTIONS: i32 = 512;
     let single = forms
         .iter()
-        .filter_map(SolidShape::diameter)
+        .filter_map(SolidForm::diameter)
         .fold(0.0, f64::max);
     if let [form] = forms
         && let Some(diameter) = form.diameter()
     {
         return diameter;
     }
-    let points: Vec<(DVec3, f64)> = forms.iter().flat_map(SolidShape::extremes).collect();
+    let points: Vec<(DVec3, f64)> = forms.iter().flat_map(SolidForm::extremes).collect();
     let apart = |a: &(DVec3, f64), b: &(DVec3, f64)| a.0.distance(b.0) + a.1 + b.1;
     let farthest = |from: &(DVec3, f64)| {
         let distances = points.iter().map(|point| apart(from, point));
@@ -251,7 +251,7 @@ mod tests {
             let size = DVec3::new(1.0, width, width);
             let points = (0..4).map(|_| random.point(-size, size)).collect();
             let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
-            let form = SolidShape::Mesh { points, triangles };
+            let form = SolidForm::Mesh { points, triangles };
             let Some(solid) = Solid::new(vec![(form, 0.0)]) else {
                 unreachable!()
             };

@@ -156,7 +156,7 @@ pub(super) fn lattices(solid: &Solid, count: usize) -> impl Iterator<Item = Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::form::SolidShape;
+    use super::super::form::SolidForm;
     use super::*;
 
     /// A search of many centres begins as soon as one of few.
@@ -164,7 +164,7 @@ mod tests {
     fn few_lattices_are_tried() {
         let size = DVec3::new(0.5, 1.0, 2.0);
         let brick =
-            Solid::new(vec![(SolidShape::cuboid(size), 0.0)]).unwrap_or_else(|| unreachable!());
+            Solid::new(vec![(SolidForm::cuboid(size), 0.0)]).unwrap_or_else(|| unreachable!());
         for count in [64, 300, 2_000] {
             let tried = lattices(&brick, count).count();
             assert!(tried <= 32, "{count}: {tried}");

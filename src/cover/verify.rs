@@ -3,7 +3,7 @@
 use super::cells::CellScratch;
 use super::convex::nearest_on_segment;
 use super::error::CoverError;
-use super::form::SolidShape;
+use super::form::SolidForm;
 use super::read::read;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
@@ -207,12 +207,12 @@ impl Balls {
         }
     }
 
-    fn of_round(&self, solid: &Solid, form: &SolidShape) -> Coverage {
+    fn of_round(&self, solid: &Solid, form: &SolidForm) -> Coverage {
         let spare = solid.rounding + self.rounding;
         if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
         }
-        if let SolidShape::Capsule { ends, radius } = form
+        if let SolidForm::Capsule { ends, radius } = form
             && self.contain_along_axis(*ends, *radius, 4.0 * spare)
         {
             return Coverage::Covered;
@@ -347,16 +347,16 @@ fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option
 }
 
 /// Returns true if a ball certainly contains a whole round form.
-fn contains(&(centre, radius): &(DVec3, f64), form: &SolidShape, spare: f64) -> bool {
+fn contains(&(centre, radius): &(DVec3, f64), form: &SolidForm, spare: f64) -> bool {
     let beyond = match form {
-        SolidShape::Hull { .. } | SolidShape::Mesh { .. } => return false,
-        SolidShape::Capsule { ends, radius: own } => {
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return false,
+        SolidForm::Capsule { ends, radius: own } => {
             ends.map(|end| end.distance(centre))
                 .into_iter()
                 .fold(0.0, f64::max)
                 + own
         }
-        SolidShape::Round(round) => {
+        SolidForm::Round(round) => {
             let (along, _, away) = round.split(centre);
             let farthest = |(height, own): (f64, f64)| (away + own).hypot((along - height).abs());
             let [lower, upper] = round.ends().map(farthest);
@@ -367,16 +367,16 @@ fn contains(&(centre, radius): &(DVec3, f64), form: &SolidShape, spare: f64) -> 
 }
 
 /// Returns a point of a round form near a point.
-fn into(form: &SolidShape, point: DVec3) -> DVec3 {
+fn into(form: &SolidForm, point: DVec3) -> DVec3 {
     // Rounding must not put it outside.
     const INSIDE: f64 = 1.0 - 1e-14;
     match form {
-        SolidShape::Hull { .. } | SolidShape::Mesh { .. } => point,
-        SolidShape::Capsule { ends, radius } => {
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => point,
+        SolidForm::Capsule { ends, radius } => {
             let nearest = nearest_on_segment(*ends, point);
             nearest + (point - nearest).clamp_length_max(radius * INSIDE)
         }
-        SolidShape::Round(round) => {
+        SolidForm::Round(round) => {
             let half_height = round.half_height * INSIDE;
             let (along, out, away) = round.split(point);
             let along = along.clamp(-half_height, half_height);

@@ -1,6 +1,6 @@
 //! Pieces of round forms: from the axis to a part of the surface.
 
-use super::form::{SolidShape, across};
+use super::form::{SolidForm, across};
 use super::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -30,14 +30,14 @@ pub(super) struct Wedge {
 }
 
 /// Returns the pieces of a round form with which a search begins; none for other forms.
-pub(super) fn wedges(form: &SolidShape) -> Vec<Wedge> {
+pub(super) fn wedges(form: &SolidForm) -> Vec<Wedge> {
     let (middle, axis, sides) = match form {
-        SolidShape::Hull { .. } | SolidShape::Mesh { .. } => return Vec::new(),
-        SolidShape::Round(round) => {
+        SolidForm::Hull { .. } | SolidForm::Mesh { .. } => return Vec::new(),
+        SolidForm::Round(round) => {
             let side = WedgeSide::Straight(round.ends());
             (round.middle, round.axis, vec![side])
         }
-        SolidShape::Capsule { ends, radius } => {
+        SolidForm::Capsule { ends, radius } => {
             let half = ends[0].distance(ends[1]) / 2.0;
             let cap = |sign: f64| WedgeSide::Cap {
                 middle: sign * half,

@@ -170,7 +170,7 @@ impl PartitionSearch {
         const SETTLED: f64 = 0.875;
         let reach = Minorant::of(points).parameter_bound(self.computed.outside);
         if reach < WORTHWHILE {
-            // Twice as far, where outside is certain by a margin: then the next look settles it.
+            // Twice as far, where outside is certain by a margin: then the next step settles it.
             return Trim::Examine(2.0 * reach);
         }
         // A touch: all of the part is next to the outer level or beyond, and so is what is trimmed.

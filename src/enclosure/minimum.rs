@@ -309,7 +309,7 @@ struct BoundedPart {
     start: f64,
     end: f64,
     lower: f64,
-    /// True if it comes from a cut at an apparent minimum.
+    /// True if it comes from a split at an apparent minimum.
     is_split_at_minimum: bool,
 }
 

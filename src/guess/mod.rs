@@ -202,7 +202,8 @@ pub(crate) fn settle<R: Real>(cubic: &CentredCubic<R>, u: R) -> RefinedGuess<R> 
     arrive(cubic, u, &halley_step(&cubic.derivatives(u)))
 }
 
-/// Second part of the fourth stage: returns the target of a Halley step, and the factor on its tolerance.
+/// Second part of the fourth stage: returns the target of a Halley step, and the factor on the certificate's
+/// tolerance.
 #[inline(always)]
 pub(crate) fn arrive<R: Real>(
     cubic: &CentredCubic<R>,
@@ -226,7 +227,7 @@ pub(crate) fn arrive<R: Real>(
     }
 }
 
-/// Returns a time after one more step in the type of the lanes, without a tolerance: for a guess that
+/// Returns a time after one more step in the type of the lanes, without a tolerance factor: for a guess that
 /// `f32` cannot bring near enough.
 #[inline(always)]
 pub(crate) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {

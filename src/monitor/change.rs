@@ -81,7 +81,8 @@ impl Monitor {
         self.removed.clear();
     }
 
-    /// Replaces a body's whole trajectory, including the past.
+    /// Replaces a body's whole trajectory, including the past. Events already reported stand: the new one counts from the
+    /// clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -100,7 +101,8 @@ impl Monitor {
         self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
     }
 
-    /// Replaces a body's whole orientation, including the past.
+    /// Replaces a body's whole orientation, including the past. Events already reported stand: the new one counts from
+    /// the clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -333,7 +335,7 @@ impl Monitor {
             .collect()
     }
 
-    /// Ignores a pair. At the next tick its encounters end with [`EndReason::PlanChanged`], or are
+    /// Ignores a pair, from the clock of the last tick on. At the next tick its encounters end with [`EndReason::PlanChanged`], or are
     /// withdrawn if they had not begun.
     ///
     /// # Errors
@@ -350,7 +352,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Stops ignoring a pair.
+    /// Stops ignoring a pair, from the clock of the last tick on.
     ///
     /// # Errors
     ///
@@ -411,7 +413,7 @@ impl Monitor {
     }
 
     /// Drops all state derived from the scene, and keeps the grid.
-    pub(super) fn search_anew(&mut self) -> Result<(), Error> {
+    pub(super) fn forget_search(&mut self) -> Result<(), Error> {
         self.renew(self.search.grid)
     }
 

@@ -76,10 +76,11 @@ use told_motions::ToldMotions;
 ///   [`EventKind`] has the order of events.
 /// - A change between two ticks counts from the clock of the tick before, if it has no time of its own: a body that is
 ///   [inserted](Self::insert) exists from then on as its plan says, one that is [removed](Self::remove) is gone from then
-///   on, and so with hitboxes, layers, model errors and ignored pairs. So make such changes after the tick at whose clock
+///   on, and so with whole trajectories and orientations, hitboxes, layers, model errors and ignored pairs. So make such changes after the tick at whose clock
 ///   they count.
-/// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. Such a change, and a plan,
-///   then counts from [`complete_until`](Self::complete_until) on, up to which all was reported.
+/// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. Such a change then counts from
+///   [`complete_until`](Self::complete_until) on, up to which all was reported. A plan still counts from its own instant
+///   on, but not before that.
 ///
 /// # Cost
 ///

@@ -60,9 +60,9 @@ impl Monitor {
     /// the first one of a new monitor: within a budget it may come less far.
     ///
     /// Before that tick, it knows what the other one knew if another tick at the same time would have changed
-    /// nothing then. Else, as between a change and the next tick, it knows nothing yet:
-    /// [`complete_until`](Self::complete_until) is the instant up to which events were reported, there are no
-    /// [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) finds none.
+    /// nothing then. Else it knows nothing yet: [`complete_until`](Self::complete_until) is the instant up to which
+    /// events were reported, there are no [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) returns
+    /// [`Error::NothingKnown`].
     ///
     /// # Errors
     ///

@@ -139,7 +139,7 @@ impl Monitor {
         let work = work.meter.done();
         let Ok(known) = known else {
             let limit = self.search.max_spans;
-            self.search_anew()?;
+            self.forget_search()?;
             return Err(Error::TooCrowded { limit });
         };
         // Nothing below can fail.

@@ -20,8 +20,9 @@ impl Monitor {
     /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
     ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
     /// - Without an orientation in the plan, the body turns as it does.
-    /// - Changes since the last tick count. Before the first tick, and while a [budget](Self::advance_within) leaves the
-    ///   monitor behind its clock, nothing is known: that is an error, not an empty answer.
+    /// - Changes since the last tick count. Before the first tick (also of a [restored](Self::restore) monitor that had
+    ///   changes), and while a [budget](Self::advance_within) leaves the monitor behind its clock, nothing is known:
+    ///   [`Error::NothingKnown`], not an empty answer.
     /// - Numbers may differ from those after a real [`replan`](Self::replan) by rounding. A place that a body leaves by
     ///   a jump at this very instant does not count.
     ///
@@ -30,7 +31,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoOldPlan`] if
-    /// the body does not exist now, [`Error::NoNewPlan`] if the plan does not, or ends now; [`Error::NothingKnown`].
+    /// the body does not exist now (ask [`what_if_body`](Self::what_if_body) with a whole plan), [`Error::NoNewPlan`] if the plan does not, or ends now; [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,

@@ -123,7 +123,7 @@ impl Orientation {
     ///
     /// Before the first and after the last knot the rotation is held; see
     /// [`with_outside`](Self::with_outside). Between knots a few roundings of their times apart the tolerance cannot
-    /// hold: a sphere's centre may be anywhere at its distance from the position there, and so may contacts.
+    /// hold: a sphere's centre may be anywhere at its distance from the position there, and contacts are reported wherever that allows them.
     ///
     /// # Errors
     ///
@@ -160,7 +160,7 @@ impl Orientation {
     /// With [`Outside::Absent`] the rotation is held: whether the body exists is up to its
     /// trajectory. With [`Outside::Coast`] and [`Outside::Extrapolate`] the body keeps the angular
     /// velocity that it has at the first or last knot. If that is above 1e6 rad/s (knots almost at the same time), a sphere's
-    /// centre may be anywhere at its distance from the position, and so may contacts. A spin has no knots, and ignores
+    /// centre may be anywhere at its distance from the position, and contacts are reported wherever that allows them. A spin has no knots, and ignores
     /// the rule.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {

@@ -264,6 +264,11 @@ fn what_goes_on_too_fast_is_one_cell() {
                     "{cell:?}"
                 );
                 assert!(turning.bake(&cell, accuracy).error() >= 1.0);
+                let cell = turning.cell_at(-5.0, accuracy);
+                assert!(
+                    cell.start == f64::NEG_INFINITY && cell.end >= 0.0,
+                    "{cell:?}"
+                );
             }
         }
         let slow = build(&turn(1e-5)).unwrap().with_outside(Outside::Coast);

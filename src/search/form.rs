@@ -35,7 +35,7 @@ pub(crate) struct SliceBlock {
     pub(crate) slices: Vec<SliceBounds>,
     /// The number of a cubic of each body: the first one in the block until the body is walked, then the last one.
     /// In the next block the search for the first one begins there.
-    first_cubics: Vec<u32>,
+    cubic_numbers: Vec<u32>,
 }
 
 impl SliceBlock {
@@ -95,7 +95,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
         let slice_intervals = &slice_intervals_of(ends, slice_interval)[..count];
-        self.block.first_cubics.resize(self.sources.len(), 0);
+        self.block.cubic_numbers.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.find_first_cubic(number, slice_intervals);
         }
@@ -106,12 +106,12 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             let source = &self.sources[body];
             let SliceBlock {
                 slices,
-                first_cubics,
+                cubic_numbers,
             } = &mut *self.block;
-            let first = || first_cubics[body] as usize;
+            let first = || cubic_numbers[body] as usize;
             let mut put = |slice: usize, bounds| slices[slice].push(place, bounds);
             if let Some(last) = walk(source, slice_intervals, (ahead, first), &mut put) {
-                first_cubics[body] = short(last);
+                cubic_numbers[body] = short(last);
             }
         }
     }
@@ -120,7 +120,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     #[inline(always)]
     fn prefetch_knots(&self, number: usize) {
         if let Some(&place) = self.present.get(number) {
-            let first = self.block.first_cubics[place as usize] as usize;
+            let first = self.block.cubic_numbers[place as usize] as usize;
             self.sources[place as usize].knots.prefetch(first, 8);
         }
     }
@@ -136,9 +136,9 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
     ) -> Ahead<'a, C> {
         let &place = self.present.get(number)?;
         let source = &self.sources[place as usize];
-        let piece = &mut self.block.first_cubics[place as usize];
-        let first = cubic_before(&source.knots, slice_intervals[0].from, *piece);
-        *piece = short(first);
+        let number_of_cubic = &mut self.block.cubic_numbers[place as usize];
+        let first = cubic_before(&source.knots, slice_intervals[0].from, *number_of_cubic);
+        *number_of_cubic = short(first);
         if !goes_in_runs(source, slice_intervals) {
             return Some((source, first.wrapping_sub(source.knots.before())));
         }

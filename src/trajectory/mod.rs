@@ -68,7 +68,7 @@ pub struct Trajectory {
     storage: Storage,
 }
 
-/// How a trajectory is stored.
+/// The ways in which a trajectory is stored.
 #[derive(Clone, Debug)]
 enum Storage {
     /// Straight motion for all time, from one state. It takes no memory beside this.

@@ -305,3 +305,30 @@ fn a_margin_below_the_radii_is_the_same_for_all_callers() {
         }
     }
 }
+
+/// Where an orientation jumps, a body has both rotations, but for the last instant of its plan: there it has the one before.
+#[test]
+fn at_the_last_instant_of_a_plan_an_orientation_does_not_jump() {
+    let beside = Sphere {
+        offset: DVec3::X,
+        radius: 0.1,
+    };
+    let post = Body::new(Trajectory::at_rest(-3.0 * DVec3::X).unwrap());
+    for (end, least) in [(1.0, 3.9), (2.0, 1.9)] {
+        let rest = [0.0, end].map(|time| State::new(time, DVec3::ZERO, DVec3::ZERO));
+        let body = Body::new(Trajectory::from_states(&rest).unwrap());
+        let body = body.with_hitbox(Hitbox::cluster(vec![beside]).unwrap());
+        let mut scene = Scene::new();
+        let id = scene.insert(body).unwrap();
+        let mut monitor = Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(0.0)]).unwrap();
+        let half = DQuat::from_rotation_z(std::f64::consts::PI);
+        let turned = Orientation::spin(1.0, half, DVec3::ZERO).unwrap();
+        monitor.orient(id, 1.0, turned).unwrap();
+        let body = monitor.scene().body(id).unwrap();
+        let instant = Window::new(1.0, 1.0).unwrap();
+        let found = pair::closest_approach(body, &post, instant)
+            .unwrap()
+            .unwrap();
+        assert!((found.separation - least).abs() < 1e-12, "{end} {found:?}");
+    }
+}

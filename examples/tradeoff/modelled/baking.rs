@@ -30,7 +30,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             "Tolerance of turning bodies: {count} boxes of 16 spheres, 20 s, contact (one thread)"
         ),
         &[
-            "tolerance m",
+            "tolerance",
             "encounters",
             "certified",
             "unresolved",

@@ -104,7 +104,7 @@ impl Sweep {
             self.parts.push(Partition::default());
         }
         let parts = &mut self.parts[depth];
-        if self.sample.divide_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
+        if self.sample.set_planes_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
         let quantizer = Quantizer::new(self.sample.ranges());
@@ -118,7 +118,7 @@ impl Sweep {
         let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
         if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
             let parts = &mut self.parts[depth];
-            self.sample.divide_evenly(parts);
+            self.sample.set_planes_evenly(parts);
             if parts.divide(boxes, &mut self.copies_left) {
                 return self.find_in_parts(region, depth, filter, candidates);
             }

@@ -88,7 +88,7 @@ fn lowest_bits(number: f32) -> u16 {
 /// Returns the number of the part, of `parts` equal ones of an axis, that contains a grid
 /// coordinate; keeps the order.
 #[inline(always)]
-pub(super) fn partition_of(grid: u16, parts: u32) -> u32 {
+pub(super) fn axis_part(grid: u16, parts: u32) -> u32 {
     (u32::from(grid) * parts) >> 16
 }
 
@@ -150,9 +150,9 @@ mod tests {
 
     #[test]
     fn parts_share_the_axis_evenly() {
-        assert_eq!(partition_of(0, 7), 0);
-        assert_eq!(partition_of(65_535, 7), 6);
-        assert_eq!(partition_of(32_768, 2), 1);
-        assert_eq!(partition_of(32_767, 2), 0);
+        assert_eq!(axis_part(0, 7), 0);
+        assert_eq!(axis_part(65_535, 7), 6);
+        assert_eq!(axis_part(32_768, 2), 1);
+        assert_eq!(axis_part(32_767, 2), 0);
     }
 }

@@ -1,7 +1,7 @@
 //! Counting sort of boxes into rows, and by bins within a row.
 
 use super::layout::GridLayout;
-use super::quantizer::{QuantizedBox, Quantizer, partition_of};
+use super::quantizer::{QuantizedBox, Quantizer, axis_part};
 use super::sample::scattered;
 use crate::broad_phase::BodyBox;
 use crate::simd::Task;
@@ -124,7 +124,7 @@ fn pack(boxes: &[BodyBox], quantizer: &Quantizer, layout: &GridLayout, rows: &mu
         let grid = quantizer.grid(&one.aabb);
         let mut place = [0; 8];
         for lane in 0..8 {
-            place[lane] = partition_of(grid[lane], parts[lane]);
+            place[lane] = axis_part(grid[lane], parts[lane]);
         }
         let (outer, inner) = (place[first], place[second]);
         *packed = QuantizedBox {
@@ -157,8 +157,8 @@ fn spans(packed: &QuantizedBox, layout: &GridLayout) -> [u32; 2] {
     let [first, second] = layout.across;
     let rows = layout.rows;
     [
-        partition_of(packed.high[first], rows[0]) - partition_of(packed.low[first], rows[0]),
-        partition_of(packed.high[second], rows[1]) - partition_of(packed.low[second], rows[1]),
+        axis_part(packed.high[first], rows[0]) - axis_part(packed.low[first], rows[0]),
+        axis_part(packed.high[second], rows[1]) - axis_part(packed.low[second], rows[1]),
     ]
 }
 
@@ -258,8 +258,7 @@ fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
             let one = &packed[source[k].number()];
             [low_x[k], low_y[k], low_z[k]] = one.low;
             [high_x[k], high_y[k], high_z[k]] = one.high;
-            let successor_end =
-                row_ends[partition_of(one.high[layout.sweep], layout.bins) as usize];
+            let successor_end = row_ends[axis_part(one.high[layout.sweep], layout.bins) as usize];
             successor_ends[k] = successor_end;
             comparisons += u64::from(successor_end) - k as u64;
         }

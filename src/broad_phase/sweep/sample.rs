@@ -60,7 +60,7 @@ impl BoxSample {
     }
 
     /// Sets planes in empty space and returns true, if that is more than half of an axis.
-    pub(super) fn divide_at_gaps(&self, parts: &mut Partition) -> bool {
+    pub(super) fn set_planes_at_gaps(&self, parts: &mut Partition) -> bool {
         for axis in 0..3 {
             parts.axis = axis;
             parts.planes.clear();
@@ -85,7 +85,7 @@ impl BoxSample {
     }
 
     /// Sets planes that quarter the boxes about equally, across the axis with the shortest boxes.
-    pub(super) fn divide_evenly(&self, parts: &mut Partition) {
+    pub(super) fn set_planes_evenly(&self, parts: &mut Partition) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
         parts.axis = (0..3).min_by(shorter).unwrap_or(0);

@@ -197,7 +197,8 @@ impl Handle {
     ///
     /// The errors of [`send`](Self::send). A refusal by
     /// [`Monitor::what_if`](crate::Monitor::what_if) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
+    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
     pub fn what_if(
         &self,
         id: BodyId,
@@ -214,7 +215,8 @@ impl Handle {
     ///
     /// The errors of [`send`](Self::send). A refusal by
     /// [`Monitor::what_if_body`](crate::Monitor::what_if_body) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
+    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
     pub fn what_if_body(&self, body: Body, level: usize) -> Result<Ticket, Unsent> {
         self.send(Request::WhatIfBody(Box::new(body), level))
     }

@@ -98,7 +98,9 @@ pub enum ReportKind {
     },
     /// The answer to [`Handle::what_if`](super::Handle::what_if) or
     /// [`Handle::what_if_body`](super::Handle::what_if_body), worked out after all requests before it,
-    /// and as far as the last tick had looked ahead.
+    /// and as far as the last tick had looked ahead. [`Refused`](Self::Refused) with
+    /// [`Error::NothingKnown`](crate::Error::NothingKnown) before the first tick, and while the budget leaves the monitor
+    /// behind its clock.
     WhatIf {
         /// The request.
         ticket: Ticket,

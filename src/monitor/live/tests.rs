@@ -79,7 +79,7 @@ fn after_a_panic_only_what_is_planned_is_reported() {
     assert_eq!((monitor.conflicts(0).unwrap().len(), events.len()), (2, 2));
     monitor.set_trajectory(a, fly(-50.0, 0.0)).unwrap();
     monitor.remove(c).unwrap();
-    monitor.search_anew().unwrap();
+    monitor.forget_search().unwrap();
     events.clear();
     monitor.advance(0.0, &mut events).unwrap();
     assert_eq!(

@@ -92,7 +92,7 @@ impl Worker {
         self.shared.refused(in_hand);
         // All that can be derived from the scene is worked out anew.
         let mut monitor = self.monitor;
-        let is_whole = monitor.search_anew().is_ok();
+        let is_whole = monitor.forget_search().is_ok();
         Err(Box::new(Panicked {
             message,
             monitor: is_whole.then(|| Box::new(monitor)),

@@ -199,7 +199,7 @@ impl<R: BufRead> Replay<R> {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));
             }
-            Record::Anew => monitor.search_anew().map_err(refused)?,
+            Record::Anew => monitor.forget_search().map_err(refused)?,
             Record::Close => {
                 monitor.end_all(events);
                 self.state = ReplayState::Closed;

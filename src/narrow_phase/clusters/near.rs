@@ -6,7 +6,7 @@ use glam::DVec3;
 #[derive(Debug, Default)]
 pub(super) struct NearSpheres {
     pub(super) listed: [Vec<ListedSphere>; 2],
-    /// Of each body the sphere that reaches farthest towards the other one: probably among the nearest.
+    /// The sphere of each body that reaches farthest towards the other one; the two are probably among the nearest.
     pub(super) foremost: [ListedSphere; 2],
     /// Ways of b's.
     pub(super) ways_b: Vec<Way>,

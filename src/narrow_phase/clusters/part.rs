@@ -51,7 +51,7 @@ pub(super) struct PartScratch {
     pub(super) nearest: Vec<(u32, u32)>,
     /// Pairs of spheres that are solved.
     pub(super) solved: Vec<(MotionKey, (u32, u32))>,
-    /// Motions of the pairs in `nearest`.
+    /// Keys of the motions of the pairs in `nearest`.
     pub(super) seen_motions: HashSet<MotionKey>,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct RelativeWay {
     pub(super) bend: f64,
 }
 
-/// Bits that tell motions of pairs of spheres apart: those alike have the same distance all the time.
+/// Bits that tell motions of pairs of spheres apart: pairs with the same key have the same distance all the time.
 pub(super) type MotionKey = [u64; 5];
 
 impl Interval {
@@ -167,7 +167,7 @@ impl<'a> SpheresOverPart<'a> {
         &self.views[body].spheres[number as usize]
     }
 
-    /// Returns the motion of two spheres: offset and radii if neither body turns, else their numbers.
+    /// Returns the key of the motion of two spheres: offset and radii if neither body turns, else their numbers.
     pub(super) fn motion_key(&self, (a, b): (u32, u32)) -> MotionKey {
         if self.whole.turns() {
             return [a.into(), b.into(), 0, 0, 0];
