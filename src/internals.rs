@@ -45,14 +45,14 @@
 //!    Over a span, the difference of two motions is a *relative cubic*. Its squared distance has *control
 //!    heights*: its Bernstein coefficients. Between *stationary points* the distance is monotonic: its *profile*
 //!    has these and the ends of the span as *nodes*. A *dip* is a minimum that the rounding of the squared
-//!    distance hides; a *plateau* is a distance that is constant to rounding. A *stretch* is an interval of a span
-//!    within a threshold; a *contact* unites stretches over spans and spheres. Where a body turns, a span is cut into
+//!    distance hides; a *plateau* is a distance that is constant to rounding. A *contact* unites
+//!    the intervals of spans and spheres that are within a threshold. Where a body turns, a span is cut into
 //!    *cells*, the *parts* of clusters. A *question* about a part says how near two spheres must come, and in which
 //!    *pieces* of an interval, to matter. Which spheres are nearer is certain beyond the *slack*, an allowance for
 //!    rounding.
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
-//!    heights, and its *leading* coefficient that of x². A part is certainly inside a threshold, certainly
-//!    outside, or undecided.
+//!    heights, and its *leading* coefficient that of x². *Stretches* divide a span into what is certainly inside a
+//!    threshold, certainly outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
 //! 10. `monitor`: changes are prepared in a `ChangeContext`. The *lookahead search* keeps *solved spans*
 //!     (`solved`), and knows everything up to an instant, the end of the *known time*. It holds bodies as

@@ -42,9 +42,9 @@
 //! | clearance of rejections: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
 //! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
 //! | squares of heights | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
-//! | tolerance before roots, once | `narrow_phase/stretches` | `stretches::tests` |
-//! | tolerance before roots, once more | `narrow_phase/stretches` | proof 1 |
-//! | differences of heights; tolerance of stretches | `narrow_phase/squared_distance`, `stretches` | `squared_distance::tests`, `rejection::tests` |
+//! | tolerance before roots, once | `narrow_phase/profile` | `profile::tests` |
+//! | tolerance before roots, once more | `narrow_phase/profile` | proof 1 |
+//! | differences of heights; tolerance of intervals | `narrow_phase/squared_distance`, `profile` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | clearance of what pairs must reach, wherever it is used | `narrow_phase/clusters/search` | `clusters::tests` |

@@ -1,7 +1,7 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
+use super::crossing_estimate::{crossing_estimate, nearest_certain};
 use super::levels::{SignPattern, SquaredThresholds};
-use super::meeting::{crossing_estimate, nearest_certain};
 use super::minorant::Minorant;
 use super::part::{part, point, reversed, squared_distance};
 use super::scaled::{SLACK, ScaledCubic, TINY};

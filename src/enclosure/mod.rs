@@ -189,10 +189,10 @@
 //! | MixedScales | 250,000 | 5,000 | 205,206 | 47,408 | 0 | 0 | 0 | 2.5e-15 | 4.2e-15 | 4.9e-15 |
 //! | Beyond | 250,000 | 5,000 | 232,415 | 50,562 | 0 | 0 | 0 | 2.5e-15 | 1.6e-13 | 6.3e-13 |
 
+mod crossing_estimate;
 mod crossings;
 mod cubic;
 mod levels;
-mod meeting;
 mod minimum;
 mod minorant;
 mod part;

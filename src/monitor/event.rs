@@ -106,7 +106,8 @@ pub enum EndReason {
     Separated,
     /// One of the trajectories ended.
     TrajectoryEnded,
-    /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored.
+    /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored. If a
+    /// body leaves by a new plan that begins elsewhere, they are [`Separated`](Self::Separated) at that instant.
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,

@@ -20,8 +20,8 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
+use super::profile::{DistanceProfile, NEVER};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::{DistanceProfile, NEVER};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
 use crate::enclosure::{Stretch, Threshold, Verdict};
@@ -369,7 +369,7 @@ impl MergedConflict<'_> {
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = pair.radius(band.outer).max(0.0);
-            profile.stretches(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
+            profile.intervals_within(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
                 if exit >= self.start && enter <= self.end {
                     first = first.min(enter);
                     last = last.max(exit);

@@ -2,10 +2,10 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::half_space::{self, may_touch_plane};
+use super::profile::{DistanceProfile, FoundContact, NEVER};
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
-use super::stretches::{DistanceProfile, FoundContact, NEVER};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::conflict::Clip;

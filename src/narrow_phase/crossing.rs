@@ -43,9 +43,9 @@ impl ProfileNode {
     }
 }
 
-/// Returns the end of a stretch between two nodes: the [crossing], or the instant of the node inside if the
-/// crossing, and all from there to that node, certainly lies in an interval (s).
-pub(super) fn end_of_stretch(
+/// Returns the end of an interval within the threshold, between two nodes: the [crossing]. If that, and all from there to the
+/// node inside, certainly lies in an interval that is known (s), the instant of that node.
+pub(super) fn end_of_interval(
     cubic: &RelativeCubic,
     radius: f64,
     [inside, outside]: [&ProfileNode; 2],

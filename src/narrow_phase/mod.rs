@@ -2,7 +2,7 @@
 //!
 //! The solver works on a body's cubics and spheres, span by span. Within a span it forms the
 //! `relative` cubic, applies the `rejection` tests or control heights of the `squared_distance`, and finds `stationary`
-//! points (and the `dips` that the squared distance hides) and `stretches`. `contact` joins these
+//! points (and the `dips` that the squared distance hides) and the `profile` of the distance between them. `contact` joins these
 //! across spans and spheres, `certified` with certificates. For two bodies of which one
 //! is a cluster or turns, `clusters` selects the pairs of spheres to solve. A `half_space` and a sphere are
 //! solved as two spheres on a line. [`kernels`] answers many independent pairs at once.
@@ -17,12 +17,12 @@ mod crossing;
 mod dips;
 mod half_space;
 pub mod kernels;
+mod profile;
 mod rejection;
 mod relative;
 mod sphere_pair;
 mod squared_distance;
 mod stationary;
-mod stretches;
 
 pub(crate) use approach::{approaching, keep_approaching};
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};

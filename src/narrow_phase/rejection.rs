@@ -72,8 +72,8 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::narrow_phase::profile::{DistanceProfile, NEVER};
     use crate::narrow_phase::relative::{RelativeCubic, local_scale, rejection_threshold};
-    use crate::narrow_phase::stretches::{DistanceProfile, NEVER};
     use crate::trajectory::{State, Trajectory};
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -107,7 +107,7 @@ mod tests {
             let radius = (least.distance + off).max(0.0);
             let threshold = rejection_threshold(radius, scale);
             let mut contacts = Vec::new();
-            profile.stretches(&cubic, radius, (whole, NEVER), |ends, _| {
+            profile.intervals_within(&cubic, radius, (whole, NEVER), |ends, _| {
                 contacts.push(ends)
             });
             if contacts.is_empty() {

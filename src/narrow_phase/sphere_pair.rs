@@ -1,8 +1,8 @@
 //! Two spheres over one span, their contacts and closest approach.
 
+use super::profile::{DistanceProfile, FoundContact, ProfilePoint};
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, local_scale, rejection_threshold};
-use super::stretches::{DistanceProfile, FoundContact, ProfilePoint};
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
 use crate::rounding::{CLEARANCE, UNIT_ROUNDOFF};
@@ -116,7 +116,7 @@ impl SpherePair {
     }
 
     /// Appends the contacts in a window, given a contact found before. Contacts with a larger separation may lack the
-    /// part that this one covers: see [`stretches`](DistanceProfile::stretches).
+    /// part that this one covers: see [`intervals_within`](DistanceProfile::intervals_within).
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
@@ -133,7 +133,7 @@ impl SpherePair {
         let radii = self.radius_a + self.radius_b;
         let rounding = 4.0 * UNIT_ROUNDOFF * (radii + separation.abs());
         let nearest = radii + separation + rounding;
-        profile.stretches(
+        profile.intervals_within(
             &self.cubic,
             radius,
             (clip, (covered, nearest)),

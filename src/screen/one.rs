@@ -21,7 +21,7 @@ impl Scene {
     /// query's window and margin, sorted by (enter, a, b): may it fly this? Nothing is changed.
     ///
     /// The bits are those that a [screening](Self::screen) of the scene with the body
-    /// [inserted](Self::insert) would report of its pairs. Its id in the answer is the one that it
+    /// [inserted](Self::insert) would report of its pairs; [`pair`](crate::pair) names an exception. Its id in the answer is the one that it
     /// would have. A query without a window asks about the time that all plans cover, its own
     /// included. Layers count. The query's limit of spans does not: each pair is examined by
     /// itself. The cost is proportional to the number of bodies.

@@ -1,7 +1,8 @@
 //! Questions about two bodies, without a scene.
 //!
-//! A scene answers the same about two of its bodies, to the last bit. Layers play no part: whoever
-//! names two bodies means them.
+//! A scene answers the same about two of its bodies, to the last bit. Exception: beyond a body's knots, a touch within the
+//! rounding of the way from there may be reported by the one and not by the other. Layers play no part: whoever names two
+//! bodies means them. Errors name a body by its tag: give both bodies one ([`Body::with_tag`]).
 //!
 //! ```
 //! use nearmiss::glam::DVec3;

@@ -53,7 +53,7 @@ impl LookaheadSlice {
         self.boxed.clear();
         self.candidates.clear();
         self.refined = 0;
-        self.is_crowded = false;
+        self.has_exceeded_limit = false;
         self.is_put_off = false;
         self.survivors.clear();
         self.unsearched_from = None;
@@ -78,7 +78,7 @@ impl LookaheadSlice {
 
     /// Returns an error if the slice was given up for lack of room.
     pub(super) const fn check_room(&self) -> Result<(), LimitExceeded> {
-        if self.is_crowded {
+        if self.has_exceeded_limit {
             Err(LimitExceeded)
         } else {
             Ok(())
@@ -232,7 +232,7 @@ impl LookaheadSlice {
         scratch: &mut SliceScratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
-        self.is_crowded = false;
+        self.has_exceeded_limit = false;
         while !self.is_fresh(task.bodies) {
             let begin = Instant::now();
             let work = if self.refined < self.candidates.len() {
@@ -244,10 +244,10 @@ impl LookaheadSlice {
                 self.stats.broad_time += begin.elapsed();
                 work
             };
-            self.is_crowded |= task.limits.check(self.survivors.len()).is_err();
+            self.has_exceeded_limit |= task.limits.check(self.survivors.len()).is_err();
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
-            if !goes_on(1 + work) || task.filter.gives_up() || self.is_crowded {
+            if !goes_on(1 + work) || task.filter.gives_up() || self.has_exceeded_limit {
                 return;
             }
         }

@@ -21,7 +21,7 @@ impl LookaheadSlice {
         let slicing = (&slices, &prepared.statistics((from, end)));
         let found = (&mut self.survivors, &mut self.stats);
         let done = prepared.list_spans(slicing, filter, 1, found);
-        self.is_crowded |= done.is_err();
+        self.has_exceeded_limit |= done.is_err();
         if !filter.gives_up() {
             self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);
         }

@@ -37,7 +37,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     /// from this instant (s) on.
     pub(super) unsearched_from: Option<f64>,
     /// True if the slice was given up for lack of room.
-    pub(super) is_crowded: bool,
+    pub(super) has_exceeded_limit: bool,
     /// True if there was too little room: then no work is done before the slice is needed.
     pub(super) is_put_off: bool,
     pub(in crate::monitor) stats: Stats,

@@ -6,7 +6,7 @@ use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::stretches::{DistanceProfile, NEVER};
+use super::super::profile::{DistanceProfile, NEVER};
 use super::cells::Rotations;
 use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};

@@ -6,8 +6,8 @@ use super::super::super::certified::{
 use super::super::super::contact::{
     ClosestSearch, closest_approach, contacts, contacts_of, join, solve,
 };
+use super::super::super::profile::{DistanceProfile, NEVER};
 use super::super::super::sphere_pair::SpherePair;
-use super::super::super::stretches::{DistanceProfile, NEVER};
 use crate::accuracy::Accuracy;
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;

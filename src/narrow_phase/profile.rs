@@ -1,11 +1,11 @@
-//! The stretches of one span in which two spheres are within a threshold of each other.
+//! The course of the distance of two spheres over a span, and the intervals in which it is within a threshold.
 //!
 //! Between neighbouring stationary points the distance is monotonic, so each crossing of the
 //! threshold is bracketed; it is solved on the relative position vector. Everything is found on
-//! the whole span first and clipped to the window afterwards, so that a stretch has the same bits
+//! the whole span first and clipped to the window afterwards, so that an interval has the same bits
 //! whatever the window.
 
-use super::crossing::{ProfileNode, end_of_stretch};
+use super::crossing::{ProfileNode, end_of_interval};
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::relative::RelativeCubic;
 use super::squared_distance::SquaredDistance;
@@ -42,7 +42,7 @@ impl DistanceProfile {
     }
 
     /// Returns the profile, or `None` if it is certain without a root that no
-    /// [stretches](Self::stretches) are within `radius`.
+    /// [intervals](Self::intervals_within) are within `radius`.
     #[inline]
     pub(crate) fn near(cubic: &RelativeCubic, radius: f64) -> Option<Self> {
         if cubic.is_constant() {
@@ -105,7 +105,7 @@ impl DistanceProfile {
     }
 
     /// Returns true if the distance falls to `radius` somewhere; else there are no
-    /// [`stretches`](Self::stretches).
+    /// [intervals within it](Self::intervals_within).
     pub(crate) fn comes_within(&self, cubic: &RelativeCubic, radius: f64) -> bool {
         let threshold = radius + cubic.tolerance();
         self.nodes().iter().any(|node| node.distance <= threshold)
@@ -138,11 +138,11 @@ impl DistanceProfile {
         self.closest_in(cubic, interval, clip)
     }
 
-    /// Returns the earliest instant of least distance of a stretch. Ends that are not clipped are
+    /// Returns the earliest instant of least distance of an interval within the threshold. Ends that are not clipped are
     /// crossings of the threshold: the distance there exceeds that of a node inside, whatever
     /// rounding says.
     ///
-    /// An instant that is the result of a stretch is also that of each clipped part that contains it, unless the distance
+    /// An instant that is the result of an interval is also that of each clipped part that contains it, unless the distance
     /// is constant: at a clipped end the distance is not below that of the node from which it rises there, whatever rounding
     /// says.
     pub(super) fn closest_in(
@@ -194,14 +194,14 @@ impl DistanceProfile {
         closest.unwrap_or_else(|| point_at(from, 0.0))
     }
 
-    /// Calls `found` with the ends (s) and the instant of least distance of each stretch: a maximal
+    /// Calls `found` with the ends (s) and the instant of least distance of each maximal
     /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
     /// Distances within rounding of the radius count.
     ///
-    /// `covered` (s) is the interval of a contact found before, and `nearest` (m) its least centre distance. A stretch
+    /// `covered` (s) is the interval of a contact found before, and `nearest` (m) its least centre distance. An interval
     /// that is nowhere as near may end too early, or begin too late, within `covered`: the part between its end and
     /// the next node inside may be missing. The contact found before contains that part.
-    pub(crate) fn stretches(
+    pub(crate) fn intervals_within(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
@@ -233,7 +233,7 @@ impl DistanceProfile {
             let least = nodes[first..=last].iter().map(|node| node.distance);
             let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
             let covered = if least > nearest { covered } else { NEVER.0 };
-            let end = |nodes| end_of_stretch(cubic, radius, nodes, covered);
+            let end = |nodes| end_of_interval(cubic, radius, nodes, covered);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
                 Some(outside) if first.time > from => end([first, outside]),
@@ -287,7 +287,7 @@ mod tests {
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
-    /// The end of a stretch is the crossing, unless it lies in what is known: also where that ends within
+    /// The end of an interval is the crossing, unless it lies in what is known: also where that ends within
     /// roundings of it, early and late on the clock.
     #[test]
     fn ends_are_left_out_where_they_are_known() {
@@ -322,7 +322,7 @@ mod tests {
                 }
                 near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
                 for known in [(near, cubic.end), (cubic.start, near), NEVER.0] {
-                    let found = end_of_stretch(&cubic, radius, nodes, known);
+                    let found = end_of_interval(&cubic, radius, nodes, known);
                     let covers = |time: f64| known.0 <= time && time <= known.1;
                     let is_found = found.total_cmp(&at).is_eq();
                     let is_left_out = found.total_cmp(&inside.time).is_eq() && covers(found);
