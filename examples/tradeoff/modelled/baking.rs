@@ -30,7 +30,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             "Tolerance of turning bodies: {count} boxes of 16 spheres, 20 s, contact (one thread)"
         ),
         &[
-            "tolerance",
+            "tolerance m",
             "encounters",
             "certified",
             "unresolved",
@@ -59,6 +59,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
             (1e3 * certified_time).into(),
         ]);
     }
+    table.note("tolerance m: of a sphere whose centre is 1 m from the body's position.");
     table.note("unresolved: the tolerance does not let it be told whether the spheres touch.");
     Ok(table)
 }
