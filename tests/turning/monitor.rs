@@ -3,8 +3,8 @@
 use super::{moving, rotation, vector};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, BodyPlan, BodyState, Command, Conflict, Error, Event, Hitbox,
-    Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, BodyPlan, BodyState, Command, Conflict, Error, Event,
+    Hitbox, Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window, pair,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -330,5 +330,39 @@ fn at_the_last_instant_of_a_plan_an_orientation_does_not_jump() {
             .unwrap()
             .unwrap();
         assert!((found.separation - least).abs() < 1e-12, "{end} {found:?}");
+    }
+}
+
+/// Beyond knots that are almost at the same time a body would turn faster than a spin may be told. Its spheres may be
+/// anywhere at their distance then, and what they may meet is reported, soon.
+#[test]
+fn what_turns_too_fast_beyond_its_knots_may_be_anywhere() {
+    let beside = Sphere {
+        offset: DVec3::X,
+        radius: 0.1,
+    };
+    let knots = [(0.0, DQuat::IDENTITY), (1e-9, DQuat::from_rotation_z(2.0))];
+    for build in [Orientation::slerp, Orientation::normalized_cubic] {
+        let fast = build(&knots).unwrap().with_outside(Outside::Coast);
+        let body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+        let body = body.with_hitbox(Hitbox::cluster(vec![beside]).unwrap());
+        let body = body.with_orientation(fast);
+        for (away, is_met) in [(1.05, true), (2.3, false)] {
+            let post = Body::new(Trajectory::at_rest(away * DVec3::Z).unwrap());
+            let query = Query::new(Window::new(1.0, 1e6).unwrap());
+            for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+                let query = query.with_accuracy(accuracy);
+                let found = pair::conflicts(&body, &post, &query).unwrap();
+                assert_eq!(found.len(), usize::from(is_met), "{accuracy:?} {away}");
+                for conflict in found {
+                    let Some(proof) = conflict.certificate else {
+                        assert_eq!((conflict.enter, conflict.exit), (1.0, 1e6));
+                        continue;
+                    };
+                    assert!(!proof.resolved && proof.error >= 1.0, "{proof:?}");
+                    assert_eq!((proof.enter.earliest, proof.exit.latest), (1.0, 1e6));
+                }
+            }
+        }
     }
 }
