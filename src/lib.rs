@@ -89,7 +89,7 @@
 //! spline: answers then cover all that may be in the world, and a certified one is about the world
 //! ([`Certificate`]).
 //!
-//! Where a body turns, cubics take the place of the true paths of its spheres' centres. They are off by at most the
+//! The spheres' centres of a body that turns follow cubics in place of their true paths. These are off by at most the
 //! tolerance of the [`Orientation`], times the distance of the sphere's centre from the body's position. The radii are enlarged by
 //! that, so no contact is lost; with [`Accuracy::Certified`] it is part of the proven error instead.
 //!

@@ -1,4 +1,4 @@
-//! What the README says that its two programs print. The programs themselves are compiled as documentation.
+//! The README quotes what its two programs print. The programs themselves are compiled as documentation.
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 

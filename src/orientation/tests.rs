@@ -242,8 +242,8 @@ fn cuts_do_not_depend_on_where_the_walk_begins() {
     }
 }
 
-/// What goes on beyond knots faster than a spin may be told is one cell, of which nothing is known: a second would have
-/// millions of cells.
+/// A rotation that goes on beyond its knots faster than a spin may be told is one cell, and unknown. It would have millions
+/// of cells a second.
 #[test]
 fn what_goes_on_too_fast_is_one_cell() {
     let turn = |duration: f64| {

@@ -9,6 +9,7 @@
 
 mod both_ways;
 mod budgets;
+mod change_times;
 mod clocks;
 mod crowded;
 mod equal_distances;

@@ -306,7 +306,8 @@ fn a_margin_below_the_radii_is_the_same_for_all_callers() {
     }
 }
 
-/// Where an orientation jumps, a body has both rotations, but for the last instant of its plan: there it has the one before.
+/// A body has both rotations at an instant at which its orientation jumps, but for the last instant of its plan: it has the
+/// one before there.
 #[test]
 fn at_the_last_instant_of_a_plan_an_orientation_does_not_jump() {
     let beside = Sphere {
