@@ -142,15 +142,18 @@ impl BakedRotation {
         }
     }
 
-    /// Returns the control points over both halves of the interval: those of the cubic, but for three roundings.
-    pub(crate) fn halves(&self) -> [Self; 2] {
+    /// Returns the control points over the first half of the interval or the second one: those of the cubic, but
+    /// for three roundings.
+    pub(crate) fn half(&self, number: usize) -> Self {
         let mean = |p: DMat3, q: DMat3| (p + q) * 0.5;
         let middle = self.start + 0.5 * (self.end - self.start);
-        let first = restrict(&self.points, |p, _| p, mean);
-        let last = restrict(&self.points, mean, |_, q| q);
-        [
-            Self::new((self.start, middle), first, self.error),
-            Self::new((middle, self.end), last, self.error),
-        ]
+        let (ends, points) = if number == 0 {
+            let points = restrict(&self.points, |p, _| p, mean);
+            ((self.start, middle), points)
+        } else {
+            let points = restrict(&self.points, mean, |_, q| q);
+            ((middle, self.end), points)
+        };
+        Self::new(ends, points, self.error)
     }
 }

@@ -3,12 +3,13 @@
 use super::{LOOKAHEAD, PATIENCE, crowd};
 use glam::DVec3;
 use nearmiss::live::{Live, LiveOptions, ReportKind, Request};
-use nearmiss::{BodyId, Command, State, Trajectory};
+use nearmiss::{Body, BodyId, Command, Error, State, Trajectory};
+use std::time::Duration;
 
 /// A live monitor that carries out what it is asked once its reports are read.
 fn held(live: &Live) {
     let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
-    let body = nearmiss::Body::new(rest);
+    let body = Body::new(rest);
     // There is room for one answer.
     for _ in 0..3 {
         live.handle().what_if_body(body.clone(), 0).unwrap();
@@ -94,4 +95,36 @@ fn a_clock_that_will_be_refused_supersedes_none() {
         let counts = &stopped.counts;
         assert_eq!((counts.superseded, counts.refused), (0, 1));
     }
+}
+
+/// As long as nothing is known, there is no answer; then there is one.
+#[test]
+fn a_question_is_refused_while_nothing_is_known() {
+    let (monitor, _) = crowd(3, 500);
+    // A step at a time, and no more than a few before reports are read.
+    let options = LiveOptions::default()
+        .with_reports(1)
+        .with_budget(Duration::ZERO);
+    let live = monitor.spawn(options).unwrap();
+    let body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+    let early = live.handle().what_if_body(body.clone(), 0).unwrap();
+    loop {
+        match live.reports().recv_timeout(PATIENCE).unwrap().kind {
+            ReportKind::Refused { ticket, error } => {
+                assert_eq!(ticket, early);
+                assert!(matches!(error, Error::NothingKnown { .. }), "{error}");
+                break;
+            }
+            ReportKind::WhatIf { .. } => panic!("an answer before anything is known"),
+            _ => {}
+        }
+    }
+    while live.handle().complete_until() < LOOKAHEAD {
+        live.reports().recv_timeout(PATIENCE).unwrap();
+    }
+    let late = live.handle().what_if_body(body, 0).unwrap();
+    let answers =
+        |kind: &ReportKind| matches!(kind, ReportKind::WhatIf { ticket, .. } if *ticket == late);
+    while !answers(&live.reports().recv_timeout(PATIENCE).unwrap().kind) {}
+    assert_eq!(live.shutdown().unwrap().counts.refused, 1);
 }

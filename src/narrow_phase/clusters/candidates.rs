@@ -4,6 +4,7 @@ use super::proven::BoundedPiece;
 use crate::enclosure::squared_distance;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
 use crate::rounding::UNIT_ROUNDOFF;
+use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Largest number of times that an interval is halved to find the nearest candidates: rounding allows no more.
@@ -158,12 +159,17 @@ pub(super) fn remove_behind(candidates: &mut Vec<SphereCandidate>, first: usize,
             }
         }
     }
-    let nearest = nearest.map(|(_, place)| (candidates[place], candidates[place].farthest()));
+    let mut compared = ArrayVec::<_, 3>::new();
+    for (number, (_, place)) in nearest.iter().enumerate() {
+        if nearest[..number].iter().all(|(_, other)| other != place) {
+            compared.push((candidates[*place], candidates[*place].farthest()));
+        }
+    }
     let mut kept = first;
     for place in first..candidates.len() {
         let one = candidates[place];
         candidates[kept] = one;
-        kept += usize::from(!nearest.iter().any(|near| one.is_behind(near, slack)));
+        kept += usize::from(!compared.iter().any(|near| one.is_behind(near, slack)));
     }
     candidates.truncate(kept);
 }

@@ -81,10 +81,10 @@ impl SpheresOverPart<'_> {
                 && near.pairs() > Self::MANY
                 && let [next, deeper @ ..] = deeper
             {
-                for half in interval.halves() {
+                for number in [0, 1] {
                     next.listed.clone_from(&near.listed);
                     let lists = (&mut *candidates, &mut *nearest);
-                    self.find_nearest_over(&half, margin, (next, deeper), lists);
+                    self.find_nearest_over(&interval.half(number), margin, (next, deeper), lists);
                 }
                 return;
             }

@@ -78,32 +78,37 @@ impl Interval {
         self.ends.1 - self.ends.0 > 0.5_f64.powi(SpheresOverPart::INTERVAL_HALVINGS)
     }
 
-    pub(super) fn halves(&self) -> [Self; 2] {
-        let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
-        let [a, b] = self
-            .rotations
-            .map(|one| one.map(|rotation| rotation.halves()));
+    /// Returns the first half or the second one.
+    pub(super) fn half(&self, number: usize) -> Self {
         let middle = 0.5 * (self.ends.0 + self.ends.1);
         let ends = [(self.ends.0, middle), (middle, self.ends.1)];
-        let over = |half: usize, base| Self {
-            ends: ends[half],
-            base,
-            rotations: [a, b].map(|halves| halves.map(|halves| halves[half])),
-        };
-        [
-            over(0, restrict(&self.base, |p, _| p, mean)),
-            over(1, restrict(&self.base, mean, |_, q| q)),
-        ]
+        let [a, b] = &self.rotations;
+        Self {
+            ends: ends[number],
+            base: self.base_of_half(number),
+            rotations: [
+                a.as_ref().map(|rotation| rotation.half(number)),
+                b.as_ref().map(|rotation| rotation.half(number)),
+            ],
+        }
     }
 
-    /// Returns both halves, the one in which the bodies are nearer first.
-    pub(super) fn nearer_first(&self) -> [Self; 2] {
-        let [first, second] = self.halves();
-        let square = |half: &Self| half.middle().length_squared();
-        if square(&second) < square(&first) {
-            [second, first]
+    fn base_of_half(&self, number: usize) -> [DVec3; 4] {
+        let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
+        if number == 0 {
+            restrict(&self.base, |p, _| p, mean)
         } else {
-            [first, second]
+            restrict(&self.base, mean, |_, q| q)
+        }
+    }
+
+    /// Returns the numbers of both halves, that of the one in which the bodies are nearer first.
+    pub(super) fn nearer_first(&self) -> [usize; 2] {
+        let square = |half: usize| four_means(&self.base_of_half(half)).length_squared();
+        if square(1) < square(0) {
+            [1, 0]
+        } else {
+            [0, 1]
         }
     }
 
@@ -115,12 +120,11 @@ impl Interval {
             None => [offset; 4],
         }
     }
+}
 
-    /// Returns four times the mean of the control points of the bodies' relative position, m.
-    fn middle(&self) -> DVec3 {
-        let [p0, p1, p2, p3] = self.base;
-        (p0 + p3) + (p1 + p2)
-    }
+/// Returns four times the mean of some control points.
+fn four_means(&[p0, p1, p2, p3]: &[DVec3; 4]) -> DVec3 {
+    (p0 + p3) + (p1 + p2)
 }
 
 impl<'a> SpheresOverPart<'a> {
@@ -343,10 +347,9 @@ impl<'a> SpheresOverPart<'a> {
             let offsets = listed
                 .iter()
                 .map(|one| self.sphere(body, one.number).offset);
-            let [p0, p1, p2, p3] = interval.way(body, offsets.sum::<DVec3>() / listed.len() as f64);
-            (p0 + p3) + (p1 + p2)
+            four_means(&interval.way(body, offsets.sum::<DVec3>() / listed.len() as f64))
         };
-        let sum = interval.middle() + (middle(0) - middle(1));
+        let sum = four_means(&interval.base) + (middle(0) - middle(1));
         let length = norm(sum);
         if length > f64::MIN_POSITIVE && length < f64::INFINITY {
             sum / length

@@ -153,9 +153,9 @@ impl<Q: Question> Search<'_, '_, Q> {
                 is_crowded = near.pairs() > SpheresOverPart::CROWDED;
             }
             if is_halved {
-                for half in interval.nearer_first() {
+                for number in interval.nearer_first() {
                     next.listed.clone_from(&near.listed);
-                    self.search_over(&half, most, (next, deeper));
+                    self.search_over(&interval.half(number), most, (next, deeper));
                 }
                 return;
             }
