@@ -16,13 +16,16 @@ pub const MAX_MAGNITUDE: f64 = 1e300;
 /// The reason for which an input was refused. The call that returned it changed nothing, except
 /// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
 ///
-/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and what to do.
+/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and, where these do not show it, what to
+/// do.
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Too few states. A trajectory needs at least two (or one segment); one that
+    /// Too few states or waypoints. A trajectory needs at least two (or one segment); one that
     /// [coasts](crate::Trajectory::coasting) needs one.
-    #[error("a trajectory needs at least two states, not {count} (Trajectory::coasting takes one)")]
+    #[error(
+        "a trajectory needs at least two states or waypoints, not {count} (Trajectory::coasting takes one)"
+    )]
     TooFewStates {
         /// Number of states.
         count: usize,
@@ -84,7 +87,7 @@ pub enum Error {
         value: f64,
     },
     /// A number, or one that follows from it, is larger than [`MAX_MAGNITUDE`].
-    #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300")]
+    #[error("knot {knot}: {quantity} reaches {value:e}, beyond ±1e300: check the units")]
     OutOfRange {
         /// The knot, counted from 0.
         knot: usize,
@@ -336,14 +339,15 @@ pub enum Error {
     /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
         "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
-         (the lookahead) or the margin, or raise the limit (max_spans)"
+         (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)"
     )]
     TooCrowded {
         /// The limit; see [`Query::with_max_spans`](crate::Query::with_max_spans) and
         /// [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
         limit: usize,
     },
-    /// The id names no body of this scene (it may have been removed).
+    /// The id names no body of this scene (it may have been removed). An id of another scene is not always noticed: it may
+    /// name a body of this one.
     #[error("{id} is not in the scene: it was removed, or the id is of another scene")]
     UnknownBody {
         /// The id.

@@ -366,6 +366,12 @@ fn what_a_monitor_refuses() {
     assert_eq!(monitor.conflicts_of(id, 1).err(), Some(missing.clone()));
     assert_eq!(monitor.next_conflict(id, 1).unwrap_err(), missing);
     assert_eq!(monitor.conflicts(0), Ok(&[][..]));
+    // One that is gone is not one that meets nobody.
+    let gone = monitor.insert(Body::new(line(90.0))).unwrap();
+    monitor.remove(gone).unwrap();
+    let unknown = Error::UnknownBody { id: gone };
+    assert_eq!(monitor.conflicts_of(gone, 0).err(), Some(unknown.clone()));
+    assert_eq!(monitor.next_conflict(gone, 0).unwrap_err(), unknown);
     // Over, or not begun: no plan to follow from now on, as a replan would say.
     for start in [-20.0, 1.5] {
         let refused = monitor.what_if(id, &line(start), 0).unwrap_err();

@@ -59,7 +59,7 @@ fn straight(time: f64) -> (DVec3, DVec3) {
 #[rustfmt::skip]
 const CURVES: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO)])?),
-     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
+     "a trajectory needs at least two states or waypoints, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (5.0, DVec3::X), (5.0, DVec3::Y)])?),
      "knot 2: time 5.0 s is not later than the knot before it, 5.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (1.0, DVec3::new(0.0, f64::NAN, 0.0))])?),
@@ -83,15 +83,15 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_coefficients(&[0.0, 1.0, 2.0], &[[DVec3::ZERO; 4]], TimeBase::Absolute)?),
      "3 knots need 2 segments, not 1"),
     (|| done(Trajectory::from_positions(&[(0.0, DVec3::ZERO)])?),
-     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
+     "a trajectory needs at least two states or waypoints, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_bezier(&[0.0, 1.0, 2.0], &[[DVec3::ZERO; 4], [DVec3::X; 4]])?),
      "knot 1: the curve before it ends 1.0 m from where the curve after it begins: give both the same point"),
     (|| done(Trajectory::coasting(State::new(0.0, DVec3::ZERO, 1e301 * DVec3::X))?),
-     "knot 0: velocity x reaches 1e301, beyond ±1e300"),
+     "knot 0: velocity x reaches 1e301, beyond ±1e300: check the units"),
     (|| done(Trajectory::group_rows([(1, state(0.0, 0.0)), (2, state(0.0, 0.0)), (1, state(1.0, 0.0))])?),
      "body 1: row 2: the body appeared before, and others since: sort the rows by body, then by time"),
     (|| done(Trajectory::group_rows([(1, state(0.0, 0.0)), (1, state(1.0, 0.0)), (8, state(0.0, 0.0))])?),
-     "body 8: a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
+     "body 8: a trajectory needs at least two states or waypoints, not 1 (Trajectory::coasting takes one)"),
     (|| done(flying().simplified(0.0)?), "tolerance 0.0 m is not a positive number up to 1e300"),
     (|| done(flying().spliced(20.0, &flying())?),
      "the plan so far does not exist at 20.0 s: it is from 0.0 s to 10.0 s; set the trajectory as a whole instead \
@@ -101,7 +101,7 @@ const CURVES: &[(Attempt, &str)] = &[
      "the motion at 0.3521844789475136 s: velocity x is 56.317285143914546 m/s, but the position changes by \
       0.9386214190645441 m/s: give the derivative of the position, or a larger tolerance"),
     (|| done(Trajectory::fit_polynomials::<8>(&[], &[], TimeBase::SegmentLocal, 0.1)?),
-     "a trajectory needs at least two states, not 0 (Trajectory::coasting takes one)"),
+     "a trajectory needs at least two states or waypoints, not 0 (Trajectory::coasting takes one)"),
     (|| fit(straight, window(0.0, 1.0), 0.0), "tolerance 0.0 m is not a positive number up to 1e300"),
     (|| fit(straight, window(0.0, 1.0), -0.01), "tolerance -0.01 m is not a positive number up to 1e300"),
     (|| fit(|t| (t.ln() * DVec3::X, DVec3::X / t), window(0.0, 9.0), 0.1),
@@ -175,7 +175,7 @@ const QUESTIONS: &[(Attempt, &str)] = &[
         scene.insert(body())?;
         done(scene.screen(&Query::default().with_max_spans(0))?)
     }, "too many pairs may be in conflict (with room for 0 of their spans): narrow the window (the lookahead) or the \
-        margin, or raise the limit (max_spans)"),
+        margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)"),
     (|| {
         let rests = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
         done(Scene::new().conflicts_with(&rests, &Query::default())?)
@@ -237,7 +237,7 @@ const MONITORS: &[(Attempt, &str)] = &[
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.replan(id, f64::NAN, flying())?)
-    }, "body 0v0 (tag 4): the clock cannot show NaN s: not within ±1e300, or too far from 0 for the lookahead"),
+    }, "body 0v0 (tag 4): a plan or an orientation cannot change at NaN s: give a finite time"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.orient(id, f64::INFINITY, Orientation::FIXED)?)

@@ -62,10 +62,11 @@ const FILES: &[(&str, &str)] = &[
       its quotation mark"),
     ("+0,0,0,0,0,0,0,\"0\n1,1,1,1,1,1,1,1\n",
      "row 2, column vz: \"0\\n1,1,1,1,1,1,1,1\\n\\n\" spans rows: close its quotation mark"),
-    ("+0,0,0,0,0,,0,0\n", "row 2, column vx: \"\" is not a finite number"),
+    ("+0,0,0,0,0,,0,0\n", "row 2, column vx: the cell is empty"),
     ("+0,0,0,0,inf,0,0,0\n", "row 2, column pz: \"inf\" is not a finite number"),
     ("+0,2026-01-01T00:00:00Z,0,0,0,0,0,0\n",
-     "row 2, column t: \"2026-01-01T00:00:00Z\" is not a finite number"),
+     "row 2, column t: \"2026-01-01T00:00:00Z\" is not a finite number: write seconds, counted from an epoch near \
+      your data"),
     ("+0,0,0,0,0,0,0,0\n0,1,1e301,0,0,0,0,0\n",
      "row 3, column px: 1e301 is out of range (1e300); check the units, m, s and m/s"),
     ("+,0,0,0,0,0,0,0\n", "row 2, column body: empty; give the body a whole number or a name"),
@@ -189,13 +190,13 @@ fn monitor() -> (Monitor, BodyId) {
 #[rustfmt::skip]
 const CALLS: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_states(&[state(0.0, 0.0)])?),
-     "a trajectory needs at least two states, not 1 (Trajectory::coasting takes one)"),
+     "a trajectory needs at least two states or waypoints, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(f64::NAN, 1.0)])?),
      "knot 1: time is NaN, not a finite number"),
     (|| done(Trajectory::from_states(&[state(2.0, 0.0), state(2.0, 1.0)])?),
      "knot 1: time 2.0 s is not later than the knot before it, 2.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(1.0, 1e301)])?),
-     "knot 1: position x reaches 1e301, beyond ±1e300"),
+     "knot 1: position x reaches 1e301, beyond ±1e300: check the units"),
     (|| done(Trajectory::at_rest(f64::INFINITY * DVec3::X)?),
      "knot 0: position x is inf, not a finite number"),
     (|| done(Hitbox::sphere(-1.0)?),
@@ -346,7 +347,8 @@ fn points_without_a_margin() {
 #[test]
 fn a_window_in_which_no_body_exists() {
     let folder = folder("wrong-window");
-    let states = format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n");
+    let states =
+        format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n1,0,9,0,0,0,0,0\n1,9,9,0,0,0,0,0\n");
     std::fs::write(folder.join("states.csv"), states).unwrap();
     for (window, expected) in [
         (
@@ -356,10 +358,49 @@ fn a_window_in_which_no_body_exists() {
         ("--window=9..200", ""),
     ] {
         let mut command = example("screen");
-        let arguments = ["states.csv", window];
+        let arguments = ["states.csv", window, "--margin=1"];
         let result = command.args(arguments).current_dir(&folder).output();
         let result = result.unwrap();
         assert!(result.status.success());
         assert_eq!(plain(&result.stderr), expected);
+    }
+}
+
+/// Files that are not wrong, but probably not as they are meant: somebody has to say so.
+#[test]
+fn files_that_are_probably_not_meant() {
+    let folder = folder("wrong-meant");
+    // Time in ms, positions in km, velocities that are made up of zeros, and all as it should be.
+    let two = |duration: f64, unit: f64, speed: f64| {
+        let rows = (0..2).flat_map(|body| {
+            let row = move |time: f64, x: f64| format!("{body},{time},{x},{body},0,{speed},0,0\n");
+            [row(0.0, 0.0), row(duration, 30.0 * unit)]
+        });
+        rows.collect::<String>()
+    };
+    for (rows, expected) in [
+        (two(3.0, 1.0, 10.0), ""),
+        (two(3.0, 1.0, 0.0), ""),
+        (
+            two(3000.0, 1.0, 10.0),
+            "note: from their first row to the second, bodies go 1.00e-3 times as far as their velocities say: check \
+             the units, m, s and m/s\n",
+        ),
+        (
+            two(3.0, 1e-3, 10.0),
+            "note: from their first row to the second, bodies go 1.00e-3 times as far as their velocities say: check \
+             the units, m, s and m/s\n",
+        ),
+        (
+            "ant,0,0,0,0,1,0,0\nant,1,1,0,0,1,0,0\n".to_owned(),
+            "note: there is one body, and no other one that it could meet\n",
+        ),
+    ] {
+        std::fs::write(folder.join("states.csv"), format!("{HEADER}{rows}")).unwrap();
+        let mut command = example("screen");
+        let command = command.args(["states.csv", "--margin=1"]);
+        let result = command.current_dir(&folder).output().unwrap();
+        assert!(result.status.success());
+        assert_eq!(plain(&result.stderr), expected, "{rows}");
     }
 }

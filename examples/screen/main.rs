@@ -24,6 +24,7 @@
 //! exit code 2.
 
 mod hitboxes;
+mod notes;
 mod read;
 #[path = "../terminal/mod.rs"]
 mod terminal;
@@ -169,16 +170,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         .map_err(|error| labels.explain(&error))?;
     progress.finish();
     terminal::tell_unused(&unused);
-    if let Some(states) = states_elsewhere(&scene, arguments.window) {
-        terminal::complain(format_args!(
-            "note: the window is {}, and no body exists then; the states cover {states}",
-            arguments.window
-        ));
-    } else if screening.conflicts.is_empty() && arguments.margin <= 0.0 && is_of_points(&scene) {
-        terminal::complain(format_args!(
-            "note: nothing is found, since the bodies are points and the margin is {} m: give --radius or a larger --margin",
-            arguments.margin
-        ));
+    for note in notes::of(&scene, &query, &screening) {
+        terminal::complain(format_args!("note: {note}"));
     }
     let table = Table {
         scene: &scene,
@@ -195,23 +188,6 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         terminal::complain(write::stats_line(&screening.stats, threads));
     }
     Ok(())
-}
-
-/// Returns the time from the first to the last state if no body exists in a window.
-fn states_elsewhere(scene: &Scene, window: Window) -> Option<Window> {
-    let domains = || scene.bodies().map(|(_, body)| body.trajectory.domain());
-    if domains().any(|domain| domain.intersection(window).is_some()) {
-        return None;
-    }
-    let start = domains().map(|domain| domain.start()).reduce(f64::min)?;
-    let end = domains().map(|domain| domain.end()).reduce(f64::max)?;
-    Window::new(start, end).ok()
-}
-
-/// Returns true if there are several bodies, and all are points.
-fn is_of_points(scene: &Scene) -> bool {
-    let mut bodies = scene.bodies();
-    scene.len() > 1 && bodies.all(|(_, body)| body.hitbox == Hitbox::POINT)
 }
 
 fn build_scene(

@@ -187,7 +187,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::Clock`], [`Error::OutOfRange`], [`Error::TooFar`] or
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`], [`Error::OutOfRange`], [`Error::TooFar`] or
     /// one of these two:
     ///
     /// - [`Error::NoOldPlan`]: the body does not exist at that instant.

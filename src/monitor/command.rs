@@ -78,7 +78,7 @@ impl ChangeContext<'_> {
     ///
     /// # Errors
     ///
-    /// [`Error::Clock`]; [`Error::NoNewPlan`] if a plan for the past is over, and the body is not.
+    /// [`Error::ChangeTime`]; [`Error::NoNewPlan`] if a plan for the past is over, and the body is not.
     pub(super) fn follows_from(
         &self,
         old: &Trajectory,
@@ -86,7 +86,7 @@ impl ChangeContext<'_> {
         from: f64,
     ) -> Result<f64, Error> {
         if !from.is_finite() {
-            return Err(Error::Clock { time: from });
+            return Err(Error::ChangeTime { time: from });
         }
         if from > self.now {
             return Ok(from);

@@ -373,26 +373,27 @@ impl Monitor {
         conflicts.ok_or(Error::UnknownAlertLevel { level })
     }
 
-    /// Returns the conflicts of one body at a level, soonest first. The call goes through all conflicts of
-    /// the level.
+    /// Returns the conflicts of one body at a level, soonest first, as of the last tick: a body that was inserted since
+    /// has none yet. The call goes through all conflicts of the level.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownAlertLevel`].
+    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
     pub fn conflicts_of(
         &self,
         id: BodyId,
         level: usize,
     ) -> Result<impl Iterator<Item = &Conflict>, Error> {
+        self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
         Ok(self.conflicts(level)?.iter().filter(concerns))
     }
 
-    /// Returns the soonest conflict of one body at a level, perhaps one that is under way.
+    /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownAlertLevel`].
+    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
     pub fn next_conflict(&self, id: BodyId, level: usize) -> Result<Option<&Conflict>, Error> {
         Ok(self.conflicts_of(id, level)?.next())
     }

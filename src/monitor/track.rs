@@ -21,6 +21,9 @@ impl Monitor {
     /// state's own time; until then it keeps its old plan. The call does for all bodies what
     /// [`replan`](Self::replan) does for one: a physics engine or a network tells them each frame.
     ///
+    /// A body is at its state's position at the state's own time: a state of another count of time puts it far away,
+    /// without an error. Give [`advance`](Self::advance) the same `now`.
+    ///
     /// - A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
     ///   body goes on turning as it does.
     /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of

@@ -114,8 +114,9 @@ impl Table {
         let mut numbers = [0.0; 7];
         for (index, number) in numbers.iter_mut().enumerate() {
             *number = finite(values[index + 1]).ok_or_else(|| {
-                let problem = not_a_number(values[index + 1]);
-                format!("row {line}, column {}: {problem}", COLUMNS[index + 1])
+                let column = COLUMNS[index + 1];
+                let problem = not_a_number(values[index + 1], column);
+                format!("row {line}, column {column}: {problem}")
             })?;
         }
         if let Some(value) = self.header.radius(record) {
@@ -279,7 +280,7 @@ fn begins_with<'a>(
     Ok((begins, Cursor::new(start).chain(source)))
 }
 
-fn not_a_number(value: &[u8]) -> String {
+fn not_a_number(value: &[u8], column: &str) -> String {
     let pointed: Vec<u8> = value
         .iter()
         .map(|&byte| if byte == b',' { b'.' } else { byte })
@@ -288,11 +289,19 @@ fn not_a_number(value: &[u8]) -> String {
     if value.contains(&b'\n') {
         return format!("{shown} spans rows: close its quotation mark");
     }
+    if value.trim_ascii().is_empty() {
+        return "the cell is empty".to_owned();
+    }
     match finite(&pointed) {
         Some(_) => format!(
             "{shown} has a decimal comma; write {}",
             quoted(pointed.trim_ascii())
         ),
+        None if column == "t" => {
+            format!(
+                "{shown} is not a finite number: write seconds, counted from an epoch near your data"
+            )
+        }
         None => format!("{shown} is not a finite number"),
     }
 }

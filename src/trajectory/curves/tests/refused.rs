@@ -44,7 +44,7 @@ fn numbers_that_are_refused() {
     )));
     assert_eq!(
         found,
-        "knot 0: control point 1 in x reaches 2e300, beyond ±1e300"
+        "knot 0: control point 1 in x reaches 2e300, beyond ±1e300: check the units"
     );
     assert!(matches!(
         refused(bezier(&[0.0, 1.0], &[])),
@@ -153,5 +153,8 @@ fn velocities_that_are_refused() {
     let options = PositionOptions::new().with_last_velocity(far);
     let two = [(0.0, DVec3::ZERO), (1.0, DVec3::X)];
     let found = text(refused(Trajectory::from_positions_with(&two, &options)));
-    assert_eq!(found, "knot 1: velocity x reaches 2e300, beyond ±1e300");
+    assert_eq!(
+        found,
+        "knot 1: velocity x reaches 2e300, beyond ±1e300: check the units"
+    );
 }

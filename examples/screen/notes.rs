@@ -1,0 +1,69 @@
+//! What is probably not as its user thinks, although it is not wrong.
+
+use nearmiss::{Hitbox, Query, Scene, Screening, Window};
+
+/// Factor between the distance that bodies go and what their velocities say from which on units probably differ.
+const OTHER_UNITS: f64 = 5.0;
+
+/// Returns a sentence for each thing that a user should know of a screening.
+pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(factor) = distance_by_velocity(scene)
+        && !(1.0 / OTHER_UNITS..=OTHER_UNITS).contains(&factor)
+    {
+        notes.push(format!(
+            "from their first row to the second, bodies go {factor:.2e} times as far as their velocities say: check the \
+             units, m, s and m/s"
+        ));
+    }
+    let (window, margin) = (screening.window, query.margin());
+    if let Some(states) = states_elsewhere(scene, window) {
+        notes.push(format!(
+            "the window is {window}, and no body exists then; the states cover {states}"
+        ));
+    } else if scene.len() == 1 {
+        notes.push("there is one body, and no other one that it could meet".to_owned());
+    } else if screening.conflicts.is_empty() && margin <= 0.0 && is_of_points(scene) {
+        notes.push(format!(
+            "nothing is found, since the bodies are points and the margin is {margin} m: give --radius or a larger \
+             --margin"
+        ));
+    }
+    notes
+}
+
+/// Returns how many times as far as their velocities say all bodies together go from their first state to the
+/// second; `None` if they go nowhere, or are told to stop.
+fn distance_by_velocity(scene: &Scene) -> Option<f64> {
+    let (mut gone, mut told) = (0.0, 0.0);
+    for (_, body) in scene.bodies() {
+        let [first, second, ..] = body.trajectory.knots() else {
+            continue;
+        };
+        let states = [first, second].map(|time| body.trajectory.state(*time));
+        if let [Some(first), Some(second)] = states {
+            let speed = 0.5 * (first.velocity.length() + second.velocity.length());
+            gone += first.position.distance(second.position);
+            told += speed * (second.time - first.time);
+        }
+    }
+    let factor = gone / told;
+    (factor > 0.0 && factor < f64::INFINITY).then_some(factor)
+}
+
+/// Returns the time from the first to the last state if no body exists in a window.
+fn states_elsewhere(scene: &Scene, window: Window) -> Option<Window> {
+    let domains = || scene.bodies().map(|(_, body)| body.trajectory.domain());
+    if domains().any(|domain| domain.intersection(window).is_some()) {
+        return None;
+    }
+    let start = domains().map(|domain| domain.start()).reduce(f64::min)?;
+    let end = domains().map(|domain| domain.end()).reduce(f64::max)?;
+    Window::new(start, end).ok()
+}
+
+/// Returns true if all bodies are points.
+fn is_of_points(scene: &Scene) -> bool {
+    let mut bodies = scene.bodies();
+    bodies.all(|(_, body)| body.hitbox == Hitbox::POINT)
+}
