@@ -378,3 +378,48 @@ fn a_common_velocity_changes_no_bit() {
         together.stats
     );
 }
+
+/// Balls that pass one place one after another, for a few seconds of a long time, and perhaps a large one at rest far away.
+fn passers_by(far: Option<f64>) -> Scene {
+    const COUNT: u32 = 3_500;
+    let mut rng = rng(11);
+    let mut scene = Scene::new();
+    for number in 0..COUNT {
+        let at = 500.0 + 10.0 * f64::from(number) / f64::from(COUNT);
+        let velocity = loop {
+            let velocity = DVec3::from_array([0; 3].map(|_| rng.random_range(-1e3..1e3)));
+            if velocity.length() > 300.0 {
+                break velocity;
+            }
+        };
+        let body = Body::new(line(0.0, 1000.0, -at * velocity, velocity));
+        scene
+            .insert(body.with_hitbox(Hitbox::sphere(0.5).unwrap()))
+            .unwrap();
+    }
+    if let Some(radius) = far {
+        let rest = Trajectory::at_rest([3.0 * radius, 0.0, 0.0]).unwrap();
+        let body = Body::new(rest).with_hitbox(Hitbox::sphere(radius).unwrap());
+        scene.insert(body).unwrap();
+    }
+    scene
+}
+
+/// A planet beside a swarm does not shrink with the slices. The swarm does.
+#[test]
+fn a_large_body_makes_no_crowd() {
+    let _one = alone();
+    let (alone, found) = screen(&passers_by(None), 1.0);
+    for radius in [1e7, 1e8] {
+        let scene = passers_by(Some(radius));
+        let (beside, same) = screen(&scene, 1.0);
+        assert_eq!(same, found);
+        assert!(
+            beside.candidates < 2 * alone.candidates,
+            "{radius}: {beside:?} {alone:?}"
+        );
+        let mut monitor = Monitor::new(scene, 0.0, 1_000.0, &[AlertLevel::at(1.0)]).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.conflicts(0).unwrap().len(), found);
+    }
+}

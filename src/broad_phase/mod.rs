@@ -9,7 +9,6 @@ mod limit;
 mod sweep;
 mod tree;
 
-use crate::count::as_f64;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::InstructionSet;
@@ -158,20 +157,4 @@ fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Ca
     if filter.admits(pair.a, pair.b) {
         candidates.push(pair);
     }
-}
-
-/// Returns the mean extent of some boxes, summed over the axes, and their mean volume.
-pub(crate) fn mean_size(boxes: &[BodyBox]) -> (f64, f64) {
-    let (mut extent, mut volume) = (0.0, 0.0);
-    for one in boxes {
-        let size = (one.aabb.maxs - one.aabb.mins).to_array().map(f64::from);
-        extent += size.iter().sum::<f64>();
-        // Flat boxes are compared as well.
-        volume += size
-            .iter()
-            .map(|side| side.max(f64::MIN_POSITIVE.cbrt()))
-            .product::<f64>();
-    }
-    let count = as_f64(boxes.len());
-    (extent / count, volume / count)
 }

@@ -1,8 +1,8 @@
 //! The pairs that a monitor looks at.
 
+use super::interrupt::Interrupt;
 use crate::broad_phase::{CandidateLimit, PairFilter};
 use crate::scene::Scene;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The filter of pairs of slots, by layers and ignored pairs.
 #[derive(Debug)]
@@ -12,15 +12,15 @@ pub(super) struct SlotAdmission<'s> {
     margin: f64,
     /// True if each two bodies may be a pair.
     admits_all: bool,
-    /// Set from another thread to end the tick early: the filter gives up then.
-    interrupt: Option<&'s AtomicBool>,
+    /// The filter gives up if this is requested.
+    interrupt: Option<&'s Interrupt>,
 }
 
 /// The filter of pairs of slots, with a limit of candidates.
 pub(super) type LimitedAdmission<'s> = CandidateLimit<'s, SlotAdmission<'s>>;
 
 impl<'s> SlotAdmission<'s> {
-    pub(super) fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s AtomicBool>) -> Self {
+    pub(super) fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s Interrupt>) -> Self {
         Self {
             scene,
             margin,
@@ -36,7 +36,6 @@ impl PairFilter for SlotAdmission<'_> {
     }
 
     fn gives_up(&self) -> bool {
-        let is_set = |interrupt: &AtomicBool| interrupt.load(Ordering::Relaxed);
-        self.interrupt.is_some_and(is_set)
+        self.interrupt.is_some_and(Interrupt::is_requested)
     }
 }

@@ -14,6 +14,7 @@ mod encounters;
 mod event;
 mod grid;
 mod half_spaces;
+mod interrupt;
 mod jump;
 #[cfg(feature = "live")]
 pub(crate) mod live;
@@ -55,12 +56,12 @@ use command::CommandBatch;
 use due_times::DueTimes;
 use encounters::EncounterTracker;
 use grid::{Grid, GridReview, can_tell_apart};
+use interrupt::Interrupt;
 use lookahead::LookaheadSearch;
 use read::LevelCaches;
 #[cfg(feature = "recording")]
 use recording::Record;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use told_motions::ToldMotions;
 
 /// Watches a scene as time passes and plans change: a clock, a lookahead, and events. No event is
@@ -170,8 +171,7 @@ pub struct Monitor {
     told: ToldMotions,
     /// Conflicts and planned encounters as they were read last.
     readings: LevelCaches,
-    /// Set from another thread to have a tick end early, as if its budget were spent.
-    interrupt: Option<Arc<AtomicBool>>,
+    interrupt: Option<Arc<Interrupt>>,
     #[cfg(feature = "recording")]
     recorder: Option<recording::RecordWriter>,
 }

@@ -9,6 +9,7 @@
 
 mod bodies;
 mod body_walk;
+mod box_sizes;
 mod form;
 mod form_slices;
 mod lifetimes;

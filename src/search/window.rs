@@ -1,6 +1,7 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
 use super::body_walk::MAX_SLICES;
+use super::box_sizes::BoxSizes;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
 use super::{
@@ -8,8 +9,8 @@ use super::{
     TimeSlices,
 };
 use crate::bounds::MovingFrame;
-use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter, mean_size};
-use crate::count::{as_f64, short};
+use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter};
+use crate::count::short;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -248,10 +249,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         if from < middle && middle < to {
             self.form(&[from, middle, to], &slice.bodies, &mut halves);
         }
-        let whole = Size::of(slice);
-        let sizes = halves.slices.iter().map(Size::of);
-        let both = sizes.fold(Size::default(), Size::and);
-        if halves.slices.is_empty() || both.pairs >= whole.pairs {
+        let whole = BoxSizes::of(&slice.boxes);
+        let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));
+        let both = sizes.fold(BoxSizes::default(), BoxSizes::and);
+        if halves.slices.is_empty() || !both.makes_fewer_pairs_than(&whole) {
             let mut candidates = Vec::new();
             let room = self.limits.candidates;
             if self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
@@ -259,7 +260,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 stats.spans += self.refine(slice, (interval, &candidates), filter, scratch)?;
                 return Ok(());
             }
-            if halves.slices.is_empty() || both.extent >= 2.0 * LESS * whole.extent {
+            if halves.slices.is_empty() || !both.is_below(2.0 * LESS, &whole) {
                 return Err(LimitExceeded);
             }
         }
@@ -303,34 +304,6 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             candidates.truncate(first);
         }
         !room.is_exceeded()
-    }
-}
-
-/// Mean size of the boxes of a slice.
-#[derive(Clone, Copy, Debug, Default)]
-struct Size {
-    /// Mean extent of a box, summed over the axes.
-    extent: f64,
-    /// Proportional to the candidates of randomly placed bodies.
-    pairs: f64,
-}
-
-impl Size {
-    fn of(slice: &SliceBounds) -> Self {
-        let boxes = slice.boxes.len();
-        if boxes == 0 {
-            return Self::default();
-        }
-        let (extent, volume) = mean_size(&slice.boxes);
-        let pairs = volume * as_f64(boxes).powi(2);
-        Self { extent, pairs }
-    }
-
-    fn and(self, other: Self) -> Self {
-        Self {
-            extent: self.extent + other.extent,
-            pairs: self.pairs + other.pairs,
-        }
     }
 }
 

@@ -12,10 +12,10 @@ pub use request::{Request, Ticket};
 pub use stopped::{Panicked, Stopped};
 
 use super::Monitor;
+use super::interrupt::Interrupt;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use worker::Worker;
 
@@ -76,8 +76,8 @@ pub struct Live {
     reports: Receiver<Report>,
     /// Dropped to stop the thread; a message has it look whether requests were stopped.
     stop: Option<Sender<()>>,
-    /// Set to end the current tick early.
-    interrupt: Arc<AtomicBool>,
+    /// Ends the current tick early.
+    interrupt: Arc<Interrupt>,
     thread: Option<JoinHandle<Result<Stopped, Box<Panicked>>>>,
 }
 
@@ -99,7 +99,7 @@ impl Monitor {
         let (reports_in, reports) = bounded(options.reports);
         let (stop, stopped) = bounded(1);
         let handle = Handle::new(requests_in, self.now(), self.complete_until());
-        let interrupt = Arc::new(AtomicBool::new(false));
+        let interrupt = Arc::new(Interrupt::default());
         self.interrupt = Some(Arc::clone(&interrupt));
         let worker = Worker::new(
             self,
@@ -164,7 +164,7 @@ impl Live {
     }
 
     fn join(&mut self) -> Result<Stopped, Box<Panicked>> {
-        self.interrupt.store(true, Ordering::Relaxed);
+        self.interrupt.request();
         self.stop = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(outcome)) => outcome,

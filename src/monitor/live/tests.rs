@@ -100,13 +100,14 @@ fn what_was_broken_off_is_not_claimed() {
         Budget::Work(9),
     ] {
         let (mut monitor, _) = monitor();
-        let interrupt = Arc::new(AtomicBool::new(true));
-        monitor.interrupt = Some(Arc::clone(&interrupt));
+        let interrupt = Interrupt::default();
+        interrupt.request();
+        monitor.interrupt = Some(Arc::new(interrupt));
         let mut events = Vec::new();
         monitor.advance_within(0.5, budget, &mut events).unwrap();
         assert_eq!(monitor.complete_until(), 0.0, "{budget:?}");
         assert!(events.is_empty() && !monitor.is_caught_up());
-        interrupt.store(false, Ordering::Relaxed);
+        monitor.interrupt = None;
         monitor.advance(1.0, &mut events).unwrap();
         assert!(monitor.is_caught_up() && events.len() == 1);
         // Bodies that meet all the time began to when the clock did.

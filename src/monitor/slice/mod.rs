@@ -272,8 +272,6 @@ impl LookaheadSlice {
             self.boxed = Vec::new();
             self.changed.clear();
             self.unsearched_from = Some(self.interval.0);
-        } else if filter.gives_up() {
-            self.candidates.clear();
         }
         self.stats.candidates += self.candidates.len() as u64;
         boxes
