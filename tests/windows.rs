@@ -314,3 +314,34 @@ fn a_velocity_at_a_jump_beyond_all_knots_is_the_new_one() {
         assert_eq!(last.time.to_bits(), jump.to_bits());
     }
 }
+
+/// Coasting bodies that are outside by less than the solver's rounding, which grows with the way that they go in some
+/// seconds: in or out, they are so in every window.
+#[test]
+fn a_window_decides_nothing_within_rounding() {
+    let mut found = 0;
+    for number in 0..2_000 {
+        let distance = 1.0 + 0.001 * f64::from(number % 97);
+        let share = 0.5_f64.powi(44 + number % 10) * (0.5 + 0.001 * f64::from(number % 499));
+        let velocity = 1e9 * DVec3::new(0.6, 0.64, 0.48);
+        let excess = 6e9 * share;
+        let aside = DVec3::new(0.8, -0.48, -0.36).normalize() * (distance + excess);
+        let mut scene = Scene::new();
+        for position in [DVec3::new(0.3, 0.2, 0.1), aside + DVec3::new(0.3, 0.2, 0.1)] {
+            let state = State::new(0.0, position, velocity);
+            scene
+                .insert(Body::new(Trajectory::coasting(state).unwrap()))
+                .unwrap();
+        }
+        let count = |end: f64| {
+            let query = Query::new(Window::new(0.0, end).unwrap()).with_margin(distance);
+            scene.screen(&query).unwrap().conflicts.len()
+        };
+        let whole = count(5.0);
+        for end in [0.0, 1e-6, 0.5] {
+            assert_eq!(count(end), whole, "{number} {end}");
+        }
+        found += whole;
+    }
+    assert!(found > 100, "{found}");
+}

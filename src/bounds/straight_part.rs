@@ -22,7 +22,8 @@ impl StraightPart {
     #[inline(always)]
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
         // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
-        // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is.
+        // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is; it is relative
+        // to the way over a whole piece, which lasts for the motion's duration, or up to twice the time since its state.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let [origin, velocity] = motion.lanes();
         let DVec3 { x, y, z } = frame.origin;
@@ -30,13 +31,15 @@ impl StraightPart {
         // The fourth number of each has no meaning, and comes to nothing by this.
         let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
+        let reach = since
+            .map(f64::abs)
+            .into_iter()
+            .fold(motion.duration(), f64::max);
         // A loop over four lanes: the compiler takes one instruction for all.
         let (mut first, mut last, mut error) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
             let moved = since.map(|since| velocity[lane] * since);
-            let [one, other] = moved.map(f64::abs);
-            let larger = if one > other { one } else { other };
-            error[lane] = nearest(larger * (ERROR * power[lane]));
+            error[lane] = nearest((velocity[lane].abs() * (ERROR * power[lane])) * reach);
             let offset = origin[lane] - middle[lane];
             first[lane] = nearest((offset + moved[0]) * power[lane]);
             last[lane] = nearest((offset + moved[1]) * power[lane]);

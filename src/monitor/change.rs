@@ -181,6 +181,9 @@ impl Monitor {
     /// several knots ahead, or if the plan extends far from its first knot back to `from`. A plan
     /// that was itself [spliced](Trajectory::spliced) has less room.
     ///
+    /// A plan that [`set_trajectory`](Self::set_trajectory) or an insertion gave at the present clock is not forgotten by a
+    /// replan from that clock on: for this instant the body is at both places.
+    ///
     /// The plan may begin elsewhere, but a far jump is expensive: until it is past, all bodies
     /// between the two places are neighbours. For a body that reappears elsewhere,
     /// [`set_trajectory`](Self::set_trajectory) is cheaper.
@@ -218,6 +221,8 @@ impl Monitor {
     /// Appends `plan` to the body's plan: the body follows it from its last knot on, where `plan`
     /// must exist. The last knot may lie before the clock, and `plan` may end before it. Cubics are
     /// dropped as by [`replan`](Self::replan). An orientation in the plan is followed from that knot on.
+    ///
+    /// The call copies what lies ahead in the body's plan: give a long plan as a whole, not knot by knot.
     ///
     /// A body that continues beyond its knots may have passed the last one long ago (a body [at
     /// rest](Trajectory::at_rest) has a single knot, at 0 s). A plan that begins later is then
