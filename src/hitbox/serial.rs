@@ -5,8 +5,9 @@ use crate::error::Error;
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The numbers of a hitbox as they were given.
-#[derive(Clone, Debug)]
+/// The numbers of a hitbox as they were given; derived is the form of binary formats, which must say what follows.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub(super) enum HitboxNumbers {
     Spheres(Vec<Sphere>),
     HalfSpace(DVec3),
@@ -14,53 +15,37 @@ pub(super) enum HitboxNumbers {
 
 /// The form of people's formats: spheres are a plain list.
 #[derive(Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, deny_unknown_fields)]
 enum TextForm {
     Spheres(Vec<Sphere>),
-    HalfSpace(NormalEntry),
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NormalEntry {
-    /// Unit vector out of it.
-    half_space: DVec3,
-}
-
-/// The form of binary formats, which must say what follows.
-#[derive(Serialize, Deserialize)]
-enum Tagged {
-    Spheres(Vec<Sphere>),
-    HalfSpace(DVec3),
+    HalfSpace {
+        /// Unit vector out of it.
+        half_space: DVec3,
+    },
 }
 
 impl Serialize for HitboxNumbers {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let is_readable = serializer.is_human_readable();
-        match (self.clone(), is_readable) {
-            (Self::Spheres(spheres), true) => TextForm::Spheres(spheres).serialize(serializer),
-            (Self::HalfSpace(half_space), true) => {
-                TextForm::HalfSpace(NormalEntry { half_space }).serialize(serializer)
-            }
-            (Self::Spheres(spheres), false) => Tagged::Spheres(spheres).serialize(serializer),
-            (Self::HalfSpace(normal), false) => Tagged::HalfSpace(normal).serialize(serializer),
+        if !serializer.is_human_readable() {
+            return Self::serialize(self, serializer);
         }
+        let text = match self.clone() {
+            Self::Spheres(spheres) => TextForm::Spheres(spheres),
+            Self::HalfSpace(half_space) => TextForm::HalfSpace { half_space },
+        };
+        text.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for HitboxNumbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        if deserializer.is_human_readable() {
-            Ok(match TextForm::deserialize(deserializer)? {
-                TextForm::Spheres(spheres) => Self::Spheres(spheres),
-                TextForm::HalfSpace(NormalEntry { half_space }) => Self::HalfSpace(half_space),
-            })
-        } else {
-            Ok(match Tagged::deserialize(deserializer)? {
-                Tagged::Spheres(spheres) => Self::Spheres(spheres),
-                Tagged::HalfSpace(normal) => Self::HalfSpace(normal),
-            })
+        if !deserializer.is_human_readable() {
+            return Self::deserialize(deserializer);
         }
+        Ok(match TextForm::deserialize(deserializer)? {
+            TextForm::Spheres(spheres) => Self::Spheres(spheres),
+            TextForm::HalfSpace { half_space } => Self::HalfSpace(half_space),
+        })
     }
 }
 
