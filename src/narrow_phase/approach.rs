@@ -30,22 +30,27 @@ pub(crate) fn keep_approaching<'f, T: Copy>(
     lines: impl Fn(T) -> [&'f FatLine; 2],
     fetch: impl Fn(usize),
 ) {
-    keep(candidates, |place, one| {
+    retain_from(0, candidates, |place, one| {
         fetch(place);
         let [a, b] = lines(one);
         !lines_apart(a, b)
     });
-    keep(candidates, |_, one| {
+    retain_from(0, candidates, |_, one| {
         let [a, b] = lines(one);
         !Passage::of(a, b).is_beyond()
     });
 }
 
-/// Keeps the items of a list that pass a test, in order, without a branch.
+/// Keeps those items of a list from `first` on that pass a test, in order, without a branch: the processor cannot
+/// predict which ones do.
 #[inline]
-fn keep<T: Copy>(list: &mut Vec<T>, passes: impl Fn(usize, T) -> bool) {
-    let mut kept = 0;
-    for place in 0..list.len() {
+pub(super) fn retain_from<T: Copy>(
+    first: usize,
+    list: &mut Vec<T>,
+    passes: impl Fn(usize, T) -> bool,
+) {
+    let mut kept = first;
+    for place in first..list.len() {
         let one = list[place];
         list[kept] = one;
         kept += usize::from(passes(place, one));

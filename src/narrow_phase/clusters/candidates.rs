@@ -2,6 +2,7 @@
 
 use super::proven::BoundedPiece;
 use crate::enclosure::squared_distance;
+use crate::narrow_phase::approach::retain_from;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
 use crate::rounding::UNIT_ROUNDOFF;
 use arrayvec::ArrayVec;
@@ -165,13 +166,9 @@ pub(super) fn remove_behind(candidates: &mut Vec<SphereCandidate>, first: usize,
             compared.push((candidates[*place], candidates[*place].farthest()));
         }
     }
-    let mut kept = first;
-    for place in first..candidates.len() {
-        let one = candidates[place];
-        candidates[kept] = one;
-        kept += usize::from(!compared.iter().any(|near| one.is_behind(near, slack)));
-    }
-    candidates.truncate(kept);
+    retain_from(first, candidates, |_, one| {
+        !compared.iter().any(|near| one.is_behind(near, slack))
+    });
 }
 
 /// Moves the pairs of spheres from `first` on in a list that may be the nearest ones at some time to `nearest`: no

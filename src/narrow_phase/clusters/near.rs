@@ -1,5 +1,6 @@
 //! Lists of the spheres of two bodies that may be near the other body.
 
+use crate::narrow_phase::approach::retain_from;
 use glam::DVec3;
 
 /// The spheres of two bodies that may be near the other body in an interval.
@@ -106,8 +107,8 @@ impl NearSpheres {
         let [a, b] = &mut self.listed;
         // These two are not removed, unless all are.
         let [nearest, farthest] = self.foremost.map(|one| one.reach);
-        retain(a, |one| one.reach - farthest <= bound);
-        retain(b, |one| nearest - one.reach <= bound);
+        retain_from(0, a, |_, one| one.reach - farthest <= bound);
+        retain_from(0, b, |_, one| nearest - one.reach <= bound);
     }
 }
 
@@ -126,15 +127,4 @@ pub(super) fn divide(
     list.select_nth_unstable_by(half, |x, y| offset(x)[axis].total_cmp(&offset(y)[axis]));
     let (first, second) = list.split_at(half);
     [first, second]
-}
-
-/// Keeps the members of a list that a test holds for, without a branch: the processor cannot predict it.
-fn retain(list: &mut Vec<ListedSphere>, is_kept: impl Fn(&ListedSphere) -> bool) {
-    let mut kept = 0;
-    for place in 0..list.len() {
-        let one = list[place];
-        list[kept] = one;
-        kept += usize::from(is_kept(&one));
-    }
-    list.truncate(kept);
 }
