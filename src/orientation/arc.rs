@@ -1,6 +1,7 @@
 //! Rotations about a fixed axis at a constant rate.
 
 use super::baked::BakedRotation;
+use super::quaternion_cubic::matrix;
 use crate::rounding::{UNIT_ROUNDOFF, norm};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
@@ -150,26 +151,4 @@ pub(super) fn angle_within(error: f64) -> f64 {
 /// Returns the parts of a revolution for a tolerance, also if they are longer by 1e-12 of themselves.
 pub(super) fn parts_of_revolution(tolerance: f64) -> f64 {
     (TAU * (1.0 + 1e-12) / angle_within(tolerance)).ceil()
-}
-
-/// Returns the matrix of a unit quaternion.
-pub(super) fn matrix(rotation: DQuat) -> DMat3 {
-    let DQuat { x, y, z, w } = rotation;
-    DMat3::from_cols(
-        DVec3::new(
-            (w * w + x * x) - (y * y + z * z),
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ),
-        DVec3::new(
-            2.0 * (x * y - w * z),
-            (w * w + y * y) - (x * x + z * z),
-            2.0 * (y * z + w * x),
-        ),
-        DVec3::new(
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            (w * w + z * z) - (x * x + y * y),
-        ),
-    )
 }

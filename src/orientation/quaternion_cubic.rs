@@ -147,6 +147,11 @@ fn products(points: &[DQuat; 4]) -> ([f64; 7], [DMat3; 7]) {
     (squares, turned)
 }
 
+/// Returns the matrix of a unit quaternion.
+pub(super) fn matrix(rotation: DQuat) -> DMat3 {
+    symmetric_product(rotation, rotation)
+}
+
 /// Returns the symmetric bilinear form of two quaternions that is the matrix of q c q* for equal
 /// ones.
 fn symmetric_product(p: DQuat, q: DQuat) -> DMat3 {
