@@ -2,7 +2,7 @@
 
 use super::form::{Round, SolidForm, across};
 use super::hull::convex_hull;
-use super::surface::{HalfSpace, Surface, is_closed};
+use super::surface::{HalfSpace, Surface, fan, is_closed};
 use crate::count::as_f64;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -109,13 +109,9 @@ impl Convex {
         let SolidForm::Hull { points, polygons } = &self.form else {
             return None;
         };
-        let fan = |polygon: &Vec<usize>| {
-            let pairs = polygon[1..].windows(2);
-            let triangles = pairs.map(|pair| [polygon[0], pair[0], pair[1]]);
-            triangles.collect::<Vec<_>>()
-        };
+        let triangles = polygons.iter().flat_map(|polygon| fan(polygon));
         let is_flat = self.inner.1 <= NO_DEPTH;
-        is_flat.then(|| (points.clone(), polygons.iter().flat_map(fan).collect()))
+        is_flat.then(|| (points.clone(), triangles.collect()))
     }
 
     pub(super) const fn form(&self) -> &SolidForm {

@@ -2,7 +2,7 @@
 //!
 //! All of this is for the search alone: proofs look at the surface itself.
 
-use super::surface::Surface;
+use super::surface::{Surface, fan};
 use crate::count::short;
 use crate::simd::{InstructionSet, Task};
 use glam::DVec3;
@@ -219,8 +219,8 @@ impl Samples {
                 number_of.push(number);
             }
             for polygon in surface.polygons() {
-                for pair in polygon[1..].windows(2) {
-                    let corners = [polygon[0], pair[0], pair[1]].map(|corner| number_of[corner]);
+                for corners in fan(polygon) {
+                    let corners = corners.map(|corner| number_of[corner]);
                     let [a, b, c] = corners;
                     if a != b && b != c && c != a {
                         samples.triangles.push(corners);

@@ -107,11 +107,11 @@ impl Surface {
     pub(super) fn normals(&self) -> Vec<DVec3> {
         let mut normals = vec![DVec3::ZERO; self.points.len()];
         for polygon in self.polygons() {
-            let first = self.points[polygon[0]];
-            let fan = polygon[1..]
-                .windows(2)
-                .map(|pair| (self.points[pair[0]] - first).cross(self.points[pair[1]] - first));
-            let area: DVec3 = fan.sum();
+            let areas = fan(polygon).map(|corners| {
+                let [a, b, c] = corners.map(|corner| self.points[corner]);
+                (b - a).cross(c - a)
+            });
+            let area: DVec3 = areas.sum();
             for &corner in polygon {
                 normals[corner] += area;
             }
@@ -123,12 +123,12 @@ impl Surface {
 
     /// Returns the volume that a closed surface bounds.
     pub(super) fn volume(&self) -> f64 {
-        let of_polygon = |corners: &[usize]| -> f64 {
-            let first = self.points[corners[0]];
-            let pairs = corners[1..].windows(2);
-            pairs
-                .map(|pair| first.dot(self.points[pair[0]].cross(self.points[pair[1]])))
-                .sum()
+        let of_polygon = |polygon: &[usize]| -> f64 {
+            let volumes = fan(polygon).map(|corners| {
+                let [a, b, c] = corners.map(|corner| self.points[corner]);
+                a.dot(b.cross(c))
+            });
+            volumes.sum()
         };
         self.polygons().map(of_polygon).sum::<f64>() / 6.0
     }
@@ -352,6 +352,12 @@ pub(super) fn is_closed<'a>(polygons: impl Iterator<Item = &'a [usize]>) -> bool
     passed.sort_unstable();
     back.sort_unstable();
     !passed.is_empty() && passed == back
+}
+
+/// Returns the triangles of a polygon that share its first corner.
+pub(super) fn fan(polygon: &[usize]) -> impl Iterator<Item = [usize; 3]> {
+    let pairs = polygon[1..].windows(2);
+    pairs.map(|pair| [polygon[0], pair[0], pair[1]])
 }
 
 fn edges(polygon: &[usize]) -> impl Iterator<Item = (usize, usize)> {

@@ -1,7 +1,7 @@
 //! Volumes of unions, by summing over parallel lines.
 
 use super::solid::{Solid, SolidPart};
-use super::surface::Surface;
+use super::surface::{Surface, fan};
 use crate::count::as_f64;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -157,12 +157,8 @@ impl LineGrid {
     /// Adds what a closed surface winds around. Returns true if it winds around all of that once, in one direction.
     fn add_surface(&mut self, surface: &Surface) -> bool {
         let mut crossings = Self::through(self.low, self.low + self.step * as_f64(LINES));
-        for polygon in surface.polygons() {
-            let first = surface.points[polygon[0]];
-            for pair in polygon[1..].windows(2) {
-                let (a, b) = (surface.points[pair[0]], surface.points[pair[1]]);
-                crossings.add_crossings([first, a, b]);
-            }
+        for corners in surface.polygons().flat_map(fan) {
+            crossings.add_crossings(corners.map(|corner| surface.points[corner]));
         }
         let (mut least, mut most) = (0.0_f64, 0.0_f64);
         for (within, mut crossed) in self.within.iter_mut().zip(crossings.within) {
