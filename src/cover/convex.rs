@@ -1,6 +1,6 @@
 //! Convex forms: how deep a point lies in them, and polyhedra around them.
 
-use super::form::{Round, SolidForm, across};
+use super::form::{Round, SolidForm};
 use super::hull::convex_hull;
 use super::surface::{HalfSpace, Surface, fan, is_closed};
 use crate::count::as_f64;
@@ -242,7 +242,7 @@ fn face(points: &[DVec3], polygon: &[usize]) -> Option<(HalfSpace, f64)> {
 /// Returns a polyhedron around a body of revolution, whose profile (place along the axis, radius)
 /// goes up the axis and is convex.
 fn revolve(middle: DVec3, axis: DVec3, profile: &[(f64, f64)], around: u32) -> Surface {
-    let (right, up) = across(axis);
+    let (right, up) = axis.any_orthonormal_pair();
     // The sides touch the circles between the corners.
     let beyond = (1.0 + 1e-15) / (PI / f64::from(around)).cos();
     let directions: Vec<DVec3> = (0..around)

@@ -55,11 +55,6 @@ pub(super) enum SolidForm {
     },
 }
 
-/// Returns unit vectors that form a right-handed base with a unit vector.
-pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
-    axis.any_orthonormal_pair()
-}
-
 impl SolidForm {
     pub(super) fn cuboid(half_extents: DVec3) -> Self {
         let corner = |number: usize| {
@@ -86,7 +81,7 @@ impl SolidForm {
     pub(super) fn extremes(&self) -> Vec<(DVec3, f64)> {
         const AROUND: i32 = 64;
         let circle = |round: &Round, (height, radius): (f64, f64)| {
-            let (right, up) = across(round.axis);
+            let (right, up) = round.axis.any_orthonormal_pair();
             let middle = round.middle + round.axis * height;
             (0..AROUND).map(move |step| {
                 let (sin, cos) =

@@ -91,14 +91,7 @@ impl Mesh {
             after: own + 1,
         });
         if triangles.len() > LEAF {
-            let size = high - low;
-            let axis = if size.x >= size.max_element() {
-                DVec3::X
-            } else if size.y >= size.z {
-                DVec3::Y
-            } else {
-                DVec3::Z
-            };
+            let axis = DVec3::AXES[(high - low).max_position()];
             let place = |triangle: &[usize; 3]| -> f64 {
                 triangle
                     .iter()

@@ -1,6 +1,6 @@
 //! Pieces of round forms: from the axis to a part of the surface.
 
-use super::form::{SolidForm, across};
+use super::form::SolidForm;
 use super::surface::Surface;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -101,7 +101,7 @@ impl Wedge {
 
     /// Returns a closed polyhedron that contains the piece, rounding apart.
     pub(super) fn polyhedron(&self) -> Surface {
-        let (right, up) = across(self.axis);
+        let (right, up) = self.axis.any_orthonormal_pair();
         let direction = |angle: f64, length: f64| {
             let (sin, cos) = angle.sin_cos();
             (right * cos + up * sin) * length
