@@ -308,7 +308,7 @@ fn compare(old: &TrackedEncounter, new: &PlannedEncounter, tick: &TickContext<'_
 }
 
 fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
-    if tracked.begun {
+    let kind = if tracked.begun {
         let passed = tracked.passed.map(|passed| passed.approach);
         let closest = passed.unwrap_or(tracked.encounter.closest);
         let encounter = Encounter {
@@ -317,16 +317,11 @@ fn over_at(tracked: &TrackedEncounter, now: f64, reason: EndReason) -> Event {
             closest,
             ..tracked.encounter
         };
-        Event {
-            time: now,
-            kind: EventKind::Ended(encounter, reason),
-        }
+        EventKind::Ended(encounter, reason)
     } else {
-        Event {
-            time: now,
-            kind: EventKind::Withdrawn(tracked.encounter),
-        }
-    }
+        EventKind::Withdrawn(tracked.encounter)
+    };
+    Event { time: now, kind }
 }
 
 /// Ends or withdraws an encounter that the plans no longer have.
