@@ -292,7 +292,7 @@ impl PreparedScene<'_> {
         filter: &F,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
-        let mut screening = Screening {
+        let screening = Screening {
             conflicts: Vec::new(),
             window: self.asked,
             stats: Stats {
@@ -303,18 +303,11 @@ impl PreparedScene<'_> {
         if self.ids.len() < 2 {
             return Ok(screening);
         }
-        let statistics = self.statistics();
+        let (statistics, how) = (self.statistics(), (method, filter));
         if self.is_in_place() {
             let slices = self.slices(&statistics, &|places| self.sources(places));
-            let bodies = BodiesInPlace(self);
-            self.search(
-                &bodies,
-                (&slices, &statistics),
-                (method, filter),
-                progress,
-                &mut screening,
-            )?;
-            return Ok(screening);
+            let slicing = (&slices, &statistics);
+            return self.search(&BodiesInPlace(self), slicing, how, progress, screening);
         }
         let mut memory = self.pool.take();
         let (sources, slices) = self.laid_out(&statistics, &mut memory.sources);
@@ -322,26 +315,20 @@ impl PreparedScene<'_> {
             prepared: self,
             sources: &sources,
         };
-        self.search(
-            &bodies,
-            (&slices, &statistics),
-            (method, filter),
-            progress,
-            &mut screening,
-        )?;
+        let done = self.search(&bodies, (&slices, &statistics), how, progress, screening);
         memory.sources.put_back(sources);
-        Ok(screening)
+        done
     }
 
-    /// Finds all conflicts and puts them into `screening`.
+    /// Finds all conflicts, and completes the answer.
     fn search<F: PairFilter>(
         &self,
         bodies: &(impl BoxedBodies + Copy),
         slicing: (&TimeSlices, &SceneStatistics),
         (method, filter): (Method, &F),
         progress: &(impl Fn(f64) + Sync),
-        screening: &mut Screening,
-    ) -> Result<(), Error> {
+        mut screening: Screening,
+    ) -> Result<Screening, Error> {
         let search = WindowSearch {
             bodies: *bodies,
             lifetimes: &self.lifetimes,
@@ -371,7 +358,7 @@ impl PreparedScene<'_> {
         stats.narrow_time += begin.elapsed();
         stats.survivors = survivors.len() as u64;
         stats.conflicts = screening.conflicts.len() as u64;
-        Ok(())
+        Ok(screening)
     }
 }
 

@@ -42,11 +42,8 @@ impl SceneSurvey {
             plans: DAabb::NOTHING,
             beyond: DAabb::NOTHING,
             statistics: SceneStatistics {
-                body_time: 0.0,
-                path: 0.0,
-                segments: 0.0,
-                world: [0.0; 3],
                 separation: margin.max(0.0),
+                ..SceneStatistics::default()
             },
             size: 0.0,
             cubics: 0,
