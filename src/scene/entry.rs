@@ -3,7 +3,7 @@
 use super::arena::{ArenaRange, CubicArena};
 use super::body::Body;
 use crate::bounds::{CacheLine, CompactTrajectory, CompactView, DAabb};
-use crate::trajectory::{LastMotion, Segment, StraightMotion, Trajectory};
+use crate::trajectory::{Segment, StraightMotion, Trajectory};
 use std::sync::OnceLock;
 
 /// The cached data of a motion.
@@ -199,17 +199,6 @@ impl SceneEntry {
         self.forget_summary(arena);
         self.body.trajectory.replace(from, motion, since);
         &self.body.trajectory
-    }
-
-    /// Replaces the motion: see [`Trajectory::replace_checked`]. A trajectory of straight motions has no
-    /// summary that could be out of date.
-    #[inline]
-    pub(super) fn replace_checked(
-        &mut self,
-        (from, motion, since): (f64, &StraightMotion, f64),
-    ) -> (&Trajectory, LastMotion) {
-        let last = self.body.trajectory.replace_checked(from, motion, since);
-        (&self.body.trajectory, last)
     }
 
     /// Swaps the trajectory in place. The summary is computed when needed: a body that is replanned

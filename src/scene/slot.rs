@@ -25,8 +25,10 @@ impl Slot {
         &mut self,
         (from, motion, since): (f64, &StraightMotion, f64),
     ) -> Option<(&Trajectory, LastMotion)> {
-        let entry = self.entry.as_mut()?;
-        Some(entry.replace_checked((from, motion, since)))
+        // It has no summary that could be out of date: it follows straight motions.
+        let trajectory = &mut self.entry.as_mut()?.body.trajectory;
+        let last = trajectory.replace_checked(from, motion, since);
+        Some((trajectory, last))
     }
 
     /// Prefetches the first cache line of the record: the motion begins there.
