@@ -110,13 +110,7 @@ impl MeanVelocity {
     /// Returns the error of the axis that is off most.
     fn refusal(&self) -> Error {
         let error = self.error().abs();
-        let axis = (0..3).fold(0, |most, axis| {
-            if error[axis] > error[most] {
-                axis
-            } else {
-                most
-            }
-        });
+        let axis = error.max_position();
         Error::FitVelocity {
             time: self.time,
             quantity: Quantity::Velocity(axis),
