@@ -69,6 +69,16 @@ impl PartialOrd for SpanKey {
     }
 }
 
+/// Returns the bodies of a pair in the order of their numbers, each with what belongs to it. The first one is body a: the
+/// same order, and so the same bits, everywhere.
+pub(crate) fn in_order<K: Ord, T>(one: (K, T), other: (K, T)) -> [(K, T); 2] {
+    if one.0 < other.0 {
+        [one, other]
+    } else {
+        [other, one]
+    }
+}
+
 /// Returns the interval in which both motions exist.
 pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> {
     common_part(a.ends(), b.ends())

@@ -15,7 +15,7 @@ use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{earliest_exact, exact_interval};
 use crate::scene::HeightRange;
 use crate::search::LimitExceeded;
-use crate::spans::{SpanKey, spans};
+use crate::spans::{SpanKey, in_order, spans};
 
 /// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
@@ -160,15 +160,10 @@ impl PlaneSearch<'_> {
             let [Some(body), Some(ground)] = views else {
                 continue;
             };
-            let (first, second) = (slot.min(plane), slot.max(plane));
+            let [(first, a), (second, b)] = in_order((slot, &body), (plane, &ground));
             if body.is_half_space() || !self.filter.admits(first, second) {
                 continue;
             }
-            let (a, b) = if slot < plane {
-                (&body, &ground)
-            } else {
-                (&ground, &body)
-            };
             next = next.min(self.list_pair((first, second), (a, b), since));
             if self.found.len() > self.most {
                 return Err(LimitExceeded);

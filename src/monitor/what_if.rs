@@ -9,6 +9,7 @@ use crate::id::BodyId;
 use crate::scene::{Body, BodyPlanRef};
 use crate::screen::conflict;
 use crate::shape::BodyShape;
+use crate::spans::in_order;
 use crate::trajectory::Trajectory;
 
 impl Monitor {
@@ -127,12 +128,9 @@ impl Monitor {
                 let Some((other, entry)) = self.scene.in_slot(other) else {
                     return;
                 };
-                let (own_name, other_name) = ((id, tag), (other, entry.body.tag));
-                conflicts.push(if id.slot < other.slot {
-                    conflict(contact, [own_name, other_name], (&own, theirs), clip)
-                } else {
-                    conflict(contact, [other_name, own_name], (theirs, &own), clip)
-                });
+                let (own_name, name) = ((id, tag), (other, entry.body.tag));
+                let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, theirs));
+                conflicts.push(conflict(contact, [a, b], (view_a, view_b), clip));
             },
         );
         conflicts.sort_unstable_by(Conflict::order);

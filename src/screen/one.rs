@@ -11,6 +11,7 @@ use crate::parallel;
 use crate::query::Query;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, Scene, SceneEntry, planned};
+use crate::spans::in_order;
 use std::iter::once;
 
 /// Bodies that one thread examines at a time.
@@ -70,13 +71,9 @@ impl Scene {
                     continue;
                 }
                 let (own_name, name) = ((own_id, body.tag), (id, other.tag));
-                let (names, views) = if own_id < id {
-                    ([own_name, name], (&own, &view))
-                } else {
-                    ([name, own_name], (&view, &own))
-                };
-                let asked = (margin, query.accuracy());
-                if let Some(question) = PairQuestion::of(names, views, asked, window) {
+                let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, &view));
+                let (views, asked) = ((view_a, view_b), (margin, query.accuracy()));
+                if let Some(question) = PairQuestion::of([a, b], views, asked, window) {
                     push_conflicts(&question, scratch, &mut found);
                 }
             }

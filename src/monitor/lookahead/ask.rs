@@ -8,7 +8,7 @@ use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
 use crate::rounding::exact_interval;
 use crate::scene::Scene;
-use crate::spans::{clip_of, common_part, spans};
+use crate::spans::{clip_of, common_part, in_order, spans};
 
 impl LookaheadSearch {
     /// Calls `visit` with each contact of a plan that no body follows with another body, within
@@ -45,12 +45,7 @@ impl LookaheadSearch {
             let Some(view) = self.view(scene, other).filter(|_| admitted) else {
                 continue;
             };
-            // The smaller slot is a: the same order, and so the same bits, as everywhere.
-            let (a, b) = if slot < other {
-                (own, &view)
-            } else {
-                (&view, own)
-            };
+            let [(_, a), (_, b)] = in_order((slot, own), (other, &view));
             let Some(clip) = clip_of(&a.knots, &b.knots, (from, to)) else {
                 continue;
             };
