@@ -12,7 +12,7 @@ use crate::scene::{Body, BodyPlan, BodyState};
 use crossbeam_channel::{Sender, TrySendError};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// A request that was not sent, handed back.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,10 +67,9 @@ pub(super) struct Shared {
     now: AtomicU64,
     complete_until: AtomicU64,
     sent: AtomicU64,
-    applied: AtomicU64,
-    superseded: AtomicU64,
-    refused: AtomicU64,
     tickets: AtomicU64,
+    /// Numbers of requests by how they ended; `sent` lies beside it, so that no sender waits.
+    ended: Mutex<Counts>,
     /// Written at the end alone: after it no request slips into a queue nobody reads.
     closed: RwLock<bool>,
 }
@@ -82,16 +81,8 @@ impl Shared {
             .store(complete_until.to_bits(), Ordering::Release);
     }
 
-    pub(super) fn applied(&self) {
-        self.applied.fetch_add(1, Ordering::Release);
-    }
-
-    pub(super) fn superseded(&self, count: u64) {
-        self.superseded.fetch_add(count, Ordering::Release);
-    }
-
-    pub(super) fn refused(&self, count: u64) {
-        self.refused.fetch_add(count, Ordering::Release);
+    pub(super) fn ended(&self) -> MutexGuard<'_, Counts> {
+        self.ended.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn is_closed(&self) -> bool {
@@ -239,14 +230,10 @@ impl Handle {
     pub fn counts(&self) -> Counts {
         // The ends before the beginning: what is added in between makes `sent` larger, not smaller, and
         // an end that is seen was preceded by its beginning.
-        let applied = self.shared.applied.load(Ordering::Acquire);
-        let superseded = self.shared.superseded.load(Ordering::Acquire);
-        let refused = self.shared.refused.load(Ordering::Acquire);
+        let ended = *self.shared.ended();
         Counts {
             sent: self.shared.sent.load(Ordering::Acquire),
-            applied,
-            superseded,
-            refused,
+            ..ended
         }
     }
 }

@@ -78,7 +78,7 @@ impl Worker {
         let mut unapplied = Vec::new();
         unapplied.extend(std::iter::from_fn(|| self.queue.pop()));
         unapplied.extend(self.requests.try_iter());
-        self.shared.refused(unapplied.len() as u64);
+        self.shared.ended().refused += unapplied.len() as u64;
         let (reports, counts) = (self.outbox.into(), Counts::default());
         let Some(message) = panic else {
             return Ok(Stopped {
@@ -89,7 +89,7 @@ impl Worker {
             });
         };
         // The request that panicked has come to no other end.
-        self.shared.refused(in_hand);
+        self.shared.ended().refused += in_hand;
         // All that can be derived from the scene is worked out anew.
         let mut monitor = self.monitor;
         let is_whole = monitor.forget_search().is_ok();
@@ -136,7 +136,7 @@ impl Worker {
     fn take(&mut self, ticket: Ticket, request: Request) {
         self.stuck = false;
         let superseded = self.queue.push(ticket, request);
-        self.shared.superseded(superseded);
+        self.shared.ended().superseded += superseded;
     }
 
     /// Carries out one request, or catches up if there is none.
@@ -173,11 +173,11 @@ impl Worker {
         };
         match outcome {
             Ok(report) => {
-                self.shared.applied();
+                self.shared.ended().applied += 1;
                 report.into_iter().for_each(|kind| self.report(kind));
             }
             Err(error) => {
-                self.shared.refused(1);
+                self.shared.ended().refused += 1;
                 self.report(ReportKind::Refused { ticket, error });
             }
         }
