@@ -8,6 +8,7 @@ use super::{Outside, Segment, SegmentLists, State, Storage, Trajectory, end_cubi
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, without_negative_zero};
 use glam::DVec3;
+use std::iter::once;
 use std::slice::from_ref;
 
 /// The variable of a segment's polynomial. Prefer [`SegmentLocal`](Self::SegmentLocal): far from 0 s coefficients
@@ -385,15 +386,9 @@ fn polynomial_segment(
     let of_points = 4.0 * UNIT_ROUNDOFF * largest_norm(&control_points);
     let of_terms = 2f64.powi(-100) * (32.0 * terms) + underflow;
     let error = of_origin * norm(origin) + of_points + of_terms;
-    let unusable = [
-        origin,
-        control_points[0],
-        control_points[1],
-        control_points[2],
-    ]
-    .into_iter()
-    .find(|point| !point.is_finite() || point.abs().max_element() > MAX_MAGNITUDE);
-    if let Some(point) = unusable {
+    let is_usable = |point: &DVec3| point.is_finite() && point.abs().max_element() <= MAX_MAGNITUDE;
+    let mut points = once(origin).chain(control_points);
+    if let Some(point) = points.find(|point| !is_usable(point)) {
         return Err(Error::OutOfRange {
             knot,
             quantity: Quantity::Distance,
