@@ -464,12 +464,8 @@ impl Monitor {
         let trajectory = self.scene.replace_motion(id, (from, motion, since))?;
         self.search.replan(id.slot, trajectory, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);
-        self.count_change();
-        Ok(())
-    }
-
-    pub(super) const fn count_change(&mut self) {
         self.count_changes(1);
+        Ok(())
     }
 
     pub(super) const fn count_changes(&mut self, count: usize) {
@@ -478,7 +474,7 @@ impl Monitor {
     }
 
     pub(super) fn register(&mut self, id: BodyId, monitored: Option<MonitoredBody>) {
-        self.count_change();
+        self.count_changes(1);
         self.search.set(id.slot, monitored);
         self.search.find_partners(&self.scene, Some(id.slot));
     }

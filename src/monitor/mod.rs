@@ -263,7 +263,10 @@ impl Monitor {
         #[cfg(feature = "recording")]
         self.write_down(|| Record::RevisionThreshold(revision_threshold));
         self.revision_threshold = revision_threshold;
-        self.read_all_encounters();
+        // All are read again, so that changes below an earlier threshold are reported.
+        for planned in &mut self.readings.planned {
+            planned.list_all();
+        }
         Ok(())
     }
 

@@ -11,7 +11,7 @@ use super::encounters::TickContext;
 use super::event::{EndReason, Event, EventKind};
 use super::grid::{Grid, can_tell_apart};
 use super::read::{LevelCaches, ReadContext};
-use super::reading::{EncounterCache, WindowEdges};
+use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use crate::error::{Error, MAX_MAGNITUDE};
@@ -330,13 +330,5 @@ impl Monitor {
         };
         let count = self.search.solved.len();
         parallel::join(count, FEW, read_encounters, read_conflicts);
-    }
-
-    /// Reads all encounters again, so that changes below an earlier threshold are reported.
-    pub(super) fn read_all_encounters(&mut self) {
-        self.readings
-            .planned
-            .iter_mut()
-            .for_each(EncounterCache::list_all);
     }
 }

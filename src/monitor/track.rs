@@ -289,7 +289,7 @@ impl Monitor {
             let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
         }
-        self.count_change();
+        self.count_changes(1);
         Ok(())
     }
 
