@@ -164,10 +164,9 @@ impl CandidateRefiner {
                 later.bodies.into_iter().for_each(|body| bodies.fetch(body));
             }
             if let Some(later) = self.near.get(i + Self::AHEAD) {
-                later
-                    .cubics()
-                    .into_iter()
-                    .for_each(|cubic| bodies.fetch_knots(cubic));
+                for cubic in later.cubics() {
+                    bodies.fetch_knots(cubic);
+                }
             }
             let ([a, b], [first_a, first_b]) = (near.bodies, near.hints);
             let (knots_a, knots_b) = (bodies.knots(a), bodies.knots(b));
@@ -194,11 +193,9 @@ impl CandidateRefiner {
         let mut kept = 0;
         for number in 0..self.spans.len() {
             if let Some(later) = self.spans.get(number + Self::AHEAD) {
-                later
-                    .key()
-                    .cubics()
-                    .into_iter()
-                    .for_each(|cubic| bodies.fetch_cubic(cubic));
+                for cubic in later.key().cubics() {
+                    bodies.fetch_cubic(cubic);
+                }
             }
             let one = self.spans[number];
             match bodies.hull_test(one.key().cubics(), one.part()) {
@@ -218,11 +215,9 @@ impl CandidateRefiner {
         let bodies = context.bodies;
         for (i, one) in self.spans.iter().enumerate() {
             if let Some(later) = self.spans.get(i + Self::AHEAD) {
-                later
-                    .key()
-                    .cubics()
-                    .into_iter()
-                    .for_each(|cubic| bodies.fetch_segment(cubic));
+                for cubic in later.key().cubics() {
+                    bodies.fetch_segment(cubic);
+                }
             }
             let (a, b) = (bodies.view(one.a), bodies.view(one.b));
             if may_touch(&a, &b, one.span, context.margin, one.interval) {
