@@ -38,7 +38,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::pool::Pool;
 use crate::search::SearchScratch;
-use crate::simd::prefetch;
+use crate::simd::{prefetch, prefetch_first};
 use crate::trajectory::{StraightMotion, Trajectory};
 use std::slice::from_ref;
 
@@ -388,7 +388,7 @@ impl Scene {
     /// Prefetches the first cache line of a body: its motion begins there.
     pub(crate) fn prefetch_first(&self, slot: u32) {
         if let Some(slot) = self.slots.get(slot as usize) {
-            slot.prefetch_first();
+            prefetch_first(slot);
         }
     }
 

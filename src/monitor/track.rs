@@ -10,7 +10,7 @@ use crate::id::BodyId;
 use crate::orientation::ToldSpin;
 use crate::parallel;
 use crate::scene::BodyState;
-use crate::simd::prefetch;
+use crate::simd::{prefetch, prefetch_first};
 use crate::trajectory::Trajectory;
 use crate::window::Window;
 use std::slice::from_ref;
@@ -314,7 +314,7 @@ impl Monitor {
         for (place, is_replaced) in told.in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
             if let Some(later) = told.ids.get(place + 2 * AHEAD) {
-                slots[later.slot as usize].prefetch_first();
+                prefetch_first(&slots[later.slot as usize]);
                 monitored.prefetch_plan(later.slot);
             }
             if let Some(later) = told.ids.get(place + AHEAD) {

@@ -1,7 +1,6 @@
 //! Places for bodies.
 
 use super::entry::SceneEntry;
-use crate::simd::prefetch_first;
 use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
 
 /// A place for a body: three cache lines.
@@ -29,11 +28,6 @@ impl Slot {
         let trajectory = &mut self.entry.as_mut()?.body.trajectory;
         let last = trajectory.replace_checked(from, motion, since);
         Some((trajectory, last))
-    }
-
-    /// Prefetches the first cache line of the record: the motion begins there.
-    pub(crate) fn prefetch_first(&self) {
-        prefetch_first(self);
     }
 
     /// Prefetches what the body's motion has beside the first cache line of the record.
