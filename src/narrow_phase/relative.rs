@@ -1,6 +1,7 @@
 //! The motion of one body relative to another over a span: differences first, then local.
 
-use crate::enclosure::{UncertainCubic, part};
+use crate::accuracy::TimeEnclosure;
+use crate::enclosure::{Stretch, Threshold, UncertainCubic, Verdict, part};
 use crate::rounding::{CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, largest_norm, latest_exact, norm};
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -122,6 +123,28 @@ impl RelativeCubic {
             self.end - stretched((1.0 - s) * duration, -direction)
         };
         outward(time).clamp(self.start, self.end)
+    }
+
+    /// Calls `visit` with each interval in which the motion may be within a distance (m), in order of time. `enclosed` is the
+    /// motion with its errors.
+    pub(super) fn each_time_within(
+        &self,
+        enclosed: &UncertainCubic,
+        distance: f64,
+        mut visit: impl FnMut(TimeEnclosure),
+    ) {
+        let stretches = enclosed.stretches(Threshold {
+            low: distance,
+            high: distance,
+        });
+        for &Stretch { first, last, side } in stretches.as_slice() {
+            if side != Verdict::Outside {
+                visit(TimeEnclosure {
+                    earliest: self.earliest(first),
+                    latest: self.latest(last),
+                });
+            }
+        }
     }
 
     /// Returns the part between two instants of the span (s).

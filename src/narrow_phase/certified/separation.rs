@@ -4,7 +4,6 @@ use super::super::relative::RelativeCubic;
 use super::super::sphere_pair::{Approach, SpherePair};
 use super::super::{BodyView, widened};
 use crate::accuracy::TimeEnclosure;
-use crate::enclosure::{Threshold, Verdict};
 use crate::rounding::two_sum;
 use crate::spans::Span;
 
@@ -71,33 +70,15 @@ impl LeastSeparationSearch {
     pub(super) fn least(mut self) -> Option<SeparationEnclosure> {
         let near = self.near();
         for (least, (pair, cubic)) in self.found.iter_mut().zip(&self.motions) {
-            if let Some(time) = times_within(pair, cubic, near) {
-                least.time = time;
-            }
+            // The smallest known interval with all instants at which the spheres on splines are near.
+            let (enclosed, mut hull) = (pair.enclosed(cubic), None);
+            cubic.each_time_within(&enclosed, pair.radius(near).next_up(), |time| {
+                hull = Some(hull.map_or(time, |hull: TimeEnclosure| hull.hull(time)));
+            });
+            least.time = hull.unwrap_or(least.time);
         }
         SeparationEnclosure::of_all(&self.found)
     }
-}
-
-/// Returns the smallest known interval with all instants at which two spheres on splines are
-/// within `separation` (m).
-fn times_within(
-    pair: &SpherePair,
-    cubic: &RelativeCubic,
-    separation: f64,
-) -> Option<TimeEnclosure> {
-    let distance = pair.radius(separation).next_up();
-    let stretches = pair.enclosed(cubic).stretches(Threshold {
-        low: distance,
-        high: distance,
-    });
-    let stretches = stretches.as_slice().iter();
-    let possible = stretches.filter(|stretch| stretch.side != Verdict::Outside);
-    let times = possible.map(|stretch| TimeEnclosure {
-        earliest: cubic.earliest(stretch.first),
-        latest: cubic.latest(stretch.last),
-    });
-    times.reduce(TimeEnclosure::hull)
 }
 
 /// Encloses the least separation of two spheres on splines over `start..=end`, within their span;

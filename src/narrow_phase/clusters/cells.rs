@@ -1,11 +1,11 @@
 //! The parts of a span in which both rotations are cubics.
 
 use crate::accuracy::Accuracy;
-use crate::enclosure::{Stretch, Threshold, UncertainCubic, Verdict};
+use crate::enclosure::UncertainCubic;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::relative::RelativeCubic;
 use crate::orientation::{BakedRotation, Turning, TurningCell};
-use crate::spans::Span;
+use crate::spans::{Span, common_part};
 
 /// A part of a span between neighbouring cuts of both bodies' rotations.
 #[derive(Clone, Copy, Debug)]
@@ -13,26 +13,6 @@ pub(super) struct Cell {
     pub(super) span: Span,
     /// Cells of the rotations; `None` for a body that does not turn.
     turns: [Option<TurningCell>; 2],
-}
-
-/// Calls `visit` with each time (s) within an interval at which a motion may be within a distance
-/// (m). `enclosed` is the motion with its errors.
-fn each_time_within(
-    (cubic, enclosed): (&RelativeCubic, &UncertainCubic),
-    distance: f64,
-    (from, to): (f64, f64),
-    mut visit: impl FnMut((f64, f64)),
-) {
-    let stretches = enclosed.stretches(Threshold {
-        low: distance,
-        high: distance,
-    });
-    for &Stretch { first, last, side } in stretches.as_slice() {
-        let times = (cubic.earliest(first).max(from), cubic.latest(last).min(to));
-        if side != Verdict::Outside && times.0 <= times.1 {
-            visit(times);
-        }
-    }
 }
 
 /// Calls `visit` with the parts of a walk that have a distance, those with a small one first: they
@@ -81,7 +61,11 @@ pub(super) fn each_near<'a>(
     if cells(interval).nth(Cells::FEW).is_none() {
         visit_all(interval);
     } else if let Some((cubic, enclosed, distance)) = near() {
-        each_time_within((&cubic, &enclosed), distance, interval, visit_all);
+        cubic.each_time_within(&enclosed, distance, |time| {
+            if let Some(times) = common_part((time.earliest, time.latest), interval) {
+                visit_all(times);
+            }
+        });
     }
 }
 
