@@ -31,10 +31,10 @@ impl StraightPart {
         // The fourth number of each has no meaning, and comes to nothing by this.
         let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
-        let reach = since
-            .map(f64::abs)
-            .into_iter()
-            .fold(motion.duration(), f64::max);
+        let mut reach = motion.duration();
+        for time in [-since[0], since[1]] {
+            reach = if time > reach { time } else { reach };
+        }
         // A loop over four lanes: the compiler takes one instruction for all.
         let (mut first, mut last, mut error) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
