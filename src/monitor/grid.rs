@@ -2,7 +2,7 @@
 
 use crate::bounds::{DAabb, Frame, MovingFrame};
 use crate::count::as_f64;
-use crate::error::Error;
+use crate::error::{Error, MAX_MAGNITUDE};
 use crate::query::Query;
 use crate::scene::Scene;
 use crate::window::Window;
@@ -214,6 +214,11 @@ impl Grid {
     pub(super) fn has_room(&self, now: f64) -> bool {
         self.slice_count <= Self::FEWEST || can_tell_apart(now, self.length / 1024.0)
     }
+}
+
+/// Returns true if the clock of a monitor with this lookahead (s) can show `time` (s).
+pub(super) fn can_show(time: f64, lookahead: f64) -> bool {
+    time.abs() <= MAX_MAGNITUDE && can_tell_apart(time, lookahead / Grid::FEWEST)
 }
 
 /// Returns true if f64 resolves slices of this length (s) on a clock that shows `time` (s).

@@ -9,12 +9,12 @@ use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
 use super::encounters::TickContext;
 use super::event::{EndReason, Event, EventKind};
-use super::grid::{Grid, can_tell_apart};
+use super::grid::can_show;
 use super::read::{LevelCaches, ReadContext};
 use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use crate::error::{Error, MAX_MAGNITUDE};
+use crate::error::Error;
 use crate::parallel;
 use crate::rounding::without_negative_zero;
 use crate::scene::Scene;
@@ -189,11 +189,11 @@ impl Monitor {
                 time: now,
             });
         }
-        let length = self.lookahead / Grid::FEWEST;
-        if now > MAX_MAGNITUDE || !can_tell_apart(now, length) {
-            return Err(Error::Clock { time: now });
+        if can_show(now, self.lookahead) {
+            Ok(())
+        } else {
+            Err(Error::Clock { time: now })
         }
-        Ok(())
     }
 
     /// Returns true if another tick at the same time would change nothing.

@@ -3,6 +3,7 @@
 use super::Orientation;
 use super::turning::OrientationPart;
 use crate::error::Error;
+use crate::rounding::without_negative_zero;
 use serde::{Deserialize, Serialize};
 
 /// The serialised fields of an orientation; no parts if the body does not turn.
@@ -32,10 +33,14 @@ impl TryFrom<OrientationNumbers> for Orientation {
     type Error = Error;
 
     fn try_from(
-        OrientationNumbers { parts, tolerance }: OrientationNumbers,
+        OrientationNumbers {
+            mut parts,
+            tolerance,
+        }: OrientationNumbers,
     ) -> Result<Self, Error> {
         let mut before = None;
-        for (knot, part) in parts.iter().enumerate() {
+        for (knot, part) in parts.iter_mut().enumerate() {
+            part.from = part.from.map(without_negative_zero);
             // The first one begins with time, each other one after the one before.
             let is_later = match (before, part.from) {
                 (None, None) => knot == 0,

@@ -11,6 +11,7 @@ use crate::window::Window;
 /// A trajectory with a hitbox around it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Body {
     /// Motion of the body.

@@ -24,6 +24,7 @@ use crate::trajectory::Trajectory;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct BodyPlan {
     /// Motion of the body's position.
     pub trajectory: Trajectory,

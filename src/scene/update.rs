@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 /// [`Monitor::track`](crate::Monitor::track) take it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct BodyState {
     /// Time, position and velocity.

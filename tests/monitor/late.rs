@@ -112,7 +112,7 @@ fn a_plan_that_does_not_reach_the_clock_is_refused() {
         }
         for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let error = monitor.replan(id, time, away(2.0, DVec3::X)).unwrap_err();
-            let expected = Error::Clock { time }.in_body(0).with_id(id);
+            let expected = Error::ChangeTime { time }.in_body(0).with_id(id);
             assert_eq!(error.to_string(), expected.to_string());
         }
         assert_eq!(monitor.replan(id, 2.15, away(2.15, DVec3::X)), Ok(2.15));

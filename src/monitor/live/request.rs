@@ -1,8 +1,8 @@
 //! Requests to a live monitor, and the queue in which they wait.
 
-use crate::error::MAX_MAGNITUDE;
 use crate::id::BodyId;
 use crate::monitor::Command;
+use crate::monitor::grid::can_show;
 use crate::scene::{Body, BodyPlan, BodyState};
 
 use std::collections::btree_map::Entry;
@@ -93,6 +93,8 @@ pub(super) struct RequestQueue {
     /// Latest of the monitor's clock and the clock requests that wait or were carried out, s. Where such a request
     /// is refused, the clock is no later.
     clock: f64,
+    /// How far the monitor looks ahead, s.
+    lookahead: f64,
     requests: VecDeque<Option<(Ticket, Request)>>,
     /// Number of requests taken from the front: the number of the first in `requests`.
     taken: usize,
@@ -102,10 +104,11 @@ pub(super) struct RequestQueue {
 }
 
 impl RequestQueue {
-    /// Returns an empty queue for a monitor whose clock shows this, s.
-    pub(super) fn at(clock: f64) -> Self {
+    /// Returns an empty queue for a monitor whose clock shows this, s, and which looks ahead so far, s.
+    pub(super) fn at(clock: f64, lookahead: f64) -> Self {
         Self {
             clock,
+            lookahead,
             ..Self::default()
         }
     }
@@ -142,9 +145,7 @@ impl RequestQueue {
                 plans.push_back(self.taken + self.requests.len());
             }
             // It will be refused: those that wait stay.
-            (Request::Clock(time), _) if time.is_nan() || time.abs() > MAX_MAGNITUDE => {
-                self.plans.clear();
-            }
+            (Request::Clock(time), _) if !can_show(*time, self.lookahead) => self.plans.clear(),
             (Request::Clock(time), _) => {
                 // A clock that goes back is refused.
                 self.clock = self.clock.max(*time);
@@ -174,7 +175,7 @@ impl RequestQueue {
     pub(super) fn stay_at(&mut self, clock: f64) {
         let waiting = self.requests.iter().flatten();
         let clocks = waiting.filter_map(|(_, request)| match request {
-            Request::Clock(time) => Some(*time),
+            Request::Clock(time) if can_show(*time, self.lookahead) => Some(*time),
             _ => None,
         });
         self.clock = clocks.fold(clock, f64::max);

@@ -118,7 +118,7 @@ fn what_was_broken_off_is_not_claimed() {
 #[test]
 fn waiting_orders_coalesce_as_the_contract_says() {
     let (_, [a, b]) = monitor();
-    let mut queue = RequestQueue::default();
+    let mut queue = RequestQueue::at(0.0, 10.0);
     let mut number = 0;
     let mut push = |queue: &mut RequestQueue, request: Request| {
         number += 1;
@@ -200,7 +200,7 @@ fn waiting_orders_coalesce_as_the_contract_says() {
 /// Nothing is remembered of requests that were taken, however long others wait.
 #[test]
 fn orders_that_were_taken_leave_nothing() {
-    let mut queue = RequestQueue::default();
+    let mut queue = RequestQueue::at(0.0, 10.0);
     for number in 0..1_000 {
         let id = BodyId {
             slot: number % 90,

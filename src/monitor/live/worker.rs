@@ -40,7 +40,7 @@ impl Worker {
         options: LiveOptions,
     ) -> Self {
         Self {
-            queue: RequestQueue::at(monitor.now()),
+            queue: RequestQueue::at(monitor.now(), monitor.lookahead()),
             monitor,
             requests,
             reports,

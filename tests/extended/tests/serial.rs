@@ -313,6 +313,16 @@ fn half_spaces_in_files() {
     for bad in [r#"{"half_space":[0,0,2]}"#, r#"{"half_space":[0,0]}"#, "{}"] {
         assert!(serde_json::from_str::<Hitbox>(bad).is_err(), "{bad}");
     }
+    // What is wrong is said, not that no form fits.
+    for (bad, why) in [
+        (r#"{"half_space":[0,"1",2]}"#, "expected f64"),
+        (r#"{"halfspace":[0,0,1]}"#, "unknown field `halfspace`"),
+        (r#"[{"offset":[0,0,0],"radius":true}]"#, "expected f64"),
+        ("3", "expected a list of spheres"),
+    ] {
+        let error = serde_json::from_str::<Hitbox>(bad).unwrap_err().to_string();
+        assert!(error.contains(why), "{bad}: {error}");
+    }
     let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
     let mut body = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
     body.orientation = spin;
@@ -324,4 +334,40 @@ fn half_spaces_in_files() {
     assert!(text.contains(point), "{text}");
     let turning = text.replace(point, r#"{"half_space":[0.0,0.0,1.0]}"#);
     assert!(serde_json::from_str::<Scene>(&turning).is_err());
+}
+
+/// A field that may be left out is not left out because it is misspelled.
+#[test]
+fn misspelled_fields_are_refused() {
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let body = Body::new(rest.clone()).with_orientation(spin.clone());
+    let body = serde_json::to_string(&body.with_model_error(3.0).unwrap()).unwrap();
+    let plan = serde_json::to_string(&BodyPlan::new(rest, spin)).unwrap();
+    let state = BodyState::from(State::new(0.0, DVec3::ZERO, DVec3::X));
+    let state = state.with_spin(DQuat::IDENTITY, DVec3::Z);
+    let state = serde_json::to_string(&state).unwrap();
+    let misspelled = |text: &str, field: &str| {
+        let new = text.replacen(&format!("\"{field}\":"), &format!("\"{field}s\":"), 1);
+        assert_ne!(new, text);
+        new
+    };
+    assert!(serde_json::from_str::<Body>(&body).is_ok());
+    for field in ["model_error", "orientation"] {
+        assert!(serde_json::from_str::<Body>(&misspelled(&body, field)).is_err());
+    }
+    assert!(serde_json::from_str::<BodyPlan>(&plan).is_ok());
+    assert!(serde_json::from_str::<BodyPlan>(&misspelled(&plan, "orientation")).is_err());
+    assert!(serde_json::from_str::<BodyState>(&state).is_ok());
+    assert!(serde_json::from_str::<BodyState>(&misspelled(&state, "spin")).is_err());
+}
+
+/// As times in the calls, times in a file are 0 where they are -0.
+#[test]
+fn orientations_in_files_have_no_negative_zero() {
+    let text = r#"{"parts":[{"from":null,"given":"Fixed"},
+        {"from":-0.0,"given":{"Spin":{"time":0.0,"rotation":[0,0,1,0],"angular_velocity":[0,0,0]}}}],"tolerance":null}"#;
+    let turned: Orientation = serde_json::from_str(text).unwrap();
+    let text = serde_json::to_string(&turned).unwrap();
+    assert!(!text.contains("-0.0"), "{text}");
 }
