@@ -1,4 +1,4 @@
-//! What is probably not as its user thinks, although it is not wrong.
+//! Notes on input that is accepted, and probably not meant.
 
 use nearmiss::{Hitbox, Query, Scene, Screening, Window};
 

@@ -23,7 +23,8 @@ impl StraightPart {
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
         // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
         // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is; it is relative
-        // to the way over a whole piece, which lasts for the motion's duration, or up to twice the time since its state.
+        // to the way over a whole piece, which ends after the motion's duration or, later, after up to twice the time since its
+        // state.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let [origin, velocity] = motion.lanes();
         let DVec3 { x, y, z } = frame.origin;

@@ -93,7 +93,7 @@ pub(super) struct RequestQueue {
     /// Latest of the monitor's clock and the clock requests that wait or were carried out, s. Where such a request
     /// is refused, the clock is no later.
     clock: f64,
-    /// How far the monitor looks ahead, s.
+    /// Lookahead of the monitor, s.
     lookahead: f64,
     requests: VecDeque<Option<(Ticket, Request)>>,
     /// Number of requests taken from the front: the number of the first in `requests`.
@@ -104,7 +104,7 @@ pub(super) struct RequestQueue {
 }
 
 impl RequestQueue {
-    /// Returns an empty queue for a monitor whose clock shows this, s, and which looks ahead so far, s.
+    /// Returns an empty queue for a monitor with this clock and this lookahead, s.
     pub(super) fn at(clock: f64, lookahead: f64) -> Self {
         Self {
             clock,
