@@ -109,22 +109,19 @@ pub(crate) fn solve(
     let mut solve = |pair: &SpherePair, span: Span| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
-            return;
+            return None;
         }
-        if let Some(profile) = DistanceProfile::near(&pair.cubic, radius)
-            && profile.comes_within(&pair.cubic, radius)
-        {
-            let interval = (span.start, span.end);
-            let pair = *pair;
-            solved(
-                interval,
-                SolvedSpan {
-                    span,
-                    pair,
-                    profile,
-                },
-            );
-        }
+        let profile = DistanceProfile::near(&pair.cubic, radius)
+            .filter(|profile| profile.comes_within(&pair.cubic, radius))?;
+        let interval = (span.start, span.end);
+        let pair = *pair;
+        let span = SolvedSpan {
+            span,
+            pair,
+            profile,
+        };
+        solved(interval, span);
+        Some(profile)
     };
     if let Some(pair) = lone_pair(a, b, span) {
         solve(&pair, span);

@@ -11,6 +11,7 @@ use super::relative::RelativeCubic;
 use super::squared_distance::SquaredDistance;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::conflict::Clip;
+use crate::rounding::norm;
 
 /// An instant of a span with its centre distance.
 #[derive(Clone, Copy, Debug)]
@@ -109,6 +110,24 @@ impl DistanceProfile {
     pub(crate) fn comes_within(&self, cubic: &RelativeCubic, radius: f64) -> bool {
         let threshold = radius + cubic.tolerance();
         self.nodes().iter().any(|node| node.distance <= threshold)
+    }
+
+    /// Returns the largest distance in each of so many equal cells of the span, to rounding, m.
+    pub(super) fn largest_in_cells<const N: usize>(&self, cubic: &RelativeCubic) -> [f64; N] {
+        let mut largest = [0.0; N];
+        let mut nodes = self.nodes().iter().peekable();
+        let forms = cubic.power_forms();
+        let mut before = norm(cubic.points[0]);
+        for (cell, largest) in largest.iter_mut().enumerate() {
+            let end = (cell + 1) as f64 / N as f64;
+            let after = norm(forms.at(end).0);
+            *largest = before.max(after);
+            while let Some(node) = nodes.next_if(|node| node.s <= end) {
+                *largest = largest.max(node.distance);
+            }
+            before = after;
+        }
+        largest
     }
 
     /// Returns true if the distance is constant over the span.
@@ -335,6 +354,38 @@ mod tests {
             }
         }
         assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
+    }
+
+    /// The largest distance in a cell: no instant of it is farther, and one is as far.
+    #[test]
+    fn no_instant_of_a_cell_is_farther_than_its_largest_distance() {
+        const CELLS: usize = 4;
+        const SAMPLES: usize = 256;
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut peaks = 0;
+        for round in 0..2_000 {
+            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            let points = [0; 4].map(|_| vector());
+            let cubic = RelativeCubic {
+                start: 0.0,
+                end: 1.0,
+                points,
+                error: 0.0,
+                size: largest_norm(&points),
+            };
+            let largest: [f64; CELLS] = DistanceProfile::of(&cubic).largest_in_cells(&cubic);
+            for (cell, largest) in largest.into_iter().enumerate() {
+                let distance = |sample: usize| {
+                    let share = sample as f64 / SAMPLES as f64;
+                    cubic.distance((cell as f64 + share) / CELLS as f64)
+                };
+                let sampled = (0..=SAMPLES).map(distance).fold(0.0, f64::max);
+                let more = largest - sampled;
+                assert!((-1e-12..1e-3).contains(&more), "{round} {cell} {more}");
+                peaks += u32::from(largest > distance(0).max(distance(SAMPLES)) + 1e-9);
+            }
+        }
+        assert!(peaks > 300, "{peaks}");
     }
 
     /// A motion within the tolerance of a radius, and no nearer, is examined, for tolerances of

@@ -29,6 +29,7 @@ mod tests;
 
 use super::BodyView;
 use super::contact_radius;
+use super::profile::DistanceProfile;
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::SpherePair;
@@ -37,6 +38,7 @@ use crate::spans::Span;
 use cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use glam::DVec3;
 use half_space::TurningOverPlane;
+use nearest::NearestQuestion;
 use part::{PartScratch, SpheresOverPart};
 pub(super) use proven::ProvenContact;
 use proven::ProvenContacts;
@@ -85,7 +87,7 @@ impl<'a> ClusterPair<'a> {
         &self,
         margin: f64,
         (clip, after): ((f64, f64), f64),
-        mut solve: impl FnMut(&SpherePair, Span),
+        mut solve: impl FnMut(&SpherePair, Span) -> Option<DistanceProfile>,
     ) -> f64 {
         if clip.1 < self.span.start {
             // A span may last for ever: its parts are not gone through before the interval comes there.
@@ -95,11 +97,21 @@ impl<'a> ClusterPair<'a> {
         let reached = last.map_or(self.span.end, |cell| cell.span.end);
         // The last part may have bounding spheres that come near after `clip` alone: it is solved as a whole.
         let parts = (clip.0, reached.max(clip.1));
-        self.each_near(margin, parts, after, |pair, part| {
-            if part.start <= clip.1 {
-                solve(pair, part);
-            }
-        });
+        if let Some(over_plane) = self.over_plane() {
+            over_plane.each_near(margin, parts, after, |pair, part| {
+                if part.start <= clip.1 {
+                    solve(pair, part);
+                }
+            });
+        } else {
+            self.each_part_near(margin, (parts, after), |part, span, scratch| {
+                if span.start <= clip.1 {
+                    let solve = |pair: &SpherePair| solve(pair, span);
+                    let mut question = NearestQuestion::new(margin, solve);
+                    part.search(&mut question, scratch);
+                }
+            });
+        }
         if reached < self.span.end {
             reached
         } else {
@@ -156,37 +168,20 @@ impl<'a> ClusterPair<'a> {
         mut solve: impl FnMut(&SpherePair, Span, &mut Vec<ProvenContact>),
     ) {
         let mut contacts = Vec::new();
-        if self.over_plane().is_some() {
-            return self.each_near(margin, clip, f64::NEG_INFINITY, |pair, part| {
+        if let Some(over_plane) = self.over_plane() {
+            return over_plane.each_near(margin, clip, f64::NEG_INFINITY, |pair, part| {
                 contacts.clear();
                 solve(pair, part, &mut contacts);
             });
         }
         self.each_part_near(margin, (clip, f64::NEG_INFINITY), |part, span, scratch| {
-            let proven = ProvenContacts::new(span, (margin, clip), part.slack());
+            let proven = ProvenContacts::new(span, (margin, clip));
             let mut question = ContactsQuestion {
                 proven,
                 found: &mut contacts,
                 solve: |pair: &SpherePair, found: &mut Vec<ProvenContact>| solve(pair, span, found),
             };
             part.search(&mut question, scratch);
-        });
-    }
-
-    /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets an
-    /// interval (s) and does not begin before `after` (s).
-    fn each_near(
-        &self,
-        margin: f64,
-        (from, to): (f64, f64),
-        after: f64,
-        mut solve: impl FnMut(&SpherePair, Span),
-    ) {
-        if let Some(over_plane) = self.over_plane() {
-            return over_plane.each_near(margin, (from, to), after, solve);
-        }
-        self.each_part_near(margin, ((from, to), after), |part, span, scratch| {
-            part.each_within(margin, scratch, |pair| solve(pair, span));
         });
     }
 

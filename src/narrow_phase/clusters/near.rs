@@ -9,8 +9,6 @@ pub(super) struct NearSpheres {
     pub(super) listed: [Vec<ListedSphere>; 2],
     /// The sphere of each body that reaches farthest towards the other one; the two are probably among the nearest.
     pub(super) foremost: [ListedSphere; 2],
-    /// Ways of b's.
-    pub(super) ways_b: Vec<Way>,
 }
 
 /// A sphere that may be near the other body in an interval.
@@ -65,12 +63,6 @@ impl Way {
         square.sqrt() + deviation - (self.radius + other.radius)
     }
 
-    /// Returns a separation that two spheres do not exceed.
-    pub(super) fn separation_kept(&self, other: &Self) -> f64 {
-        let squares = self.relative_to(other).map(DVec3::length_squared);
-        squares.into_iter().fold(0.0, f64::max).sqrt() - (self.radius + other.radius)
-    }
-
     /// Returns the squared least distance of two centres if they were on their chords, and how far both deviate from these.
     #[inline(always)]
     fn least_on_chords(&self, other: &Self) -> (f64, f64) {
@@ -110,21 +102,4 @@ impl NearSpheres {
         retain_from(0, a, |_, one| one.reach - farthest <= bound);
         retain_from(0, b, |_, one| nearest - one.reach <= bound);
     }
-}
-
-/// Puts one half of a list before the other one, neighbours into the same half, and returns both.
-pub(super) fn divide(
-    list: &mut [ListedSphere],
-    offset: impl Fn(&ListedSphere) -> DVec3,
-) -> [&[ListedSphere]; 2] {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for one in &*list {
-        let offset = offset(one);
-        (low, high) = (low.min(offset), high.max(offset));
-    }
-    let axis = (high - low).max_position();
-    let half = list.len() / 2;
-    list.select_nth_unstable_by(half, |x, y| offset(x)[axis].total_cmp(&offset(y)[axis]));
-    let (first, second) = list.split_at(half);
-    [first, second]
 }

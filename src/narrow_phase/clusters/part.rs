@@ -5,18 +5,18 @@
 //! direction. Each pair is solved over the whole part.
 
 use super::candidates::SphereCandidate;
-use super::near::{ListedSphere, NearSpheres, Way, deviation, divide};
+use super::near::{ListedSphere, NearSpheres, Way, deviation};
 use crate::accuracy::Accuracy;
 use crate::blossom::restrict;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
+use crate::narrow_phase::approach::retain_from;
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
-use std::collections::HashSet;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
 pub(super) struct SpheresOverPart<'a> {
@@ -46,13 +46,19 @@ pub(super) struct Interval {
 pub(super) struct PartScratch {
     /// Buffers for the part, for a half of it or of its spheres, and so on.
     pub(super) near: [NearSpheres; SpheresOverPart::DEPTH],
-    pub(super) candidates: Vec<SphereCandidate>,
-    /// Pairs of spheres that may be the nearest ones at some time.
-    pub(super) nearest: Vec<(u32, u32)>,
+    pub(super) buffers: CandidateBuffers,
     /// Pairs of spheres that are solved.
     pub(super) solved: Vec<(MotionKey, (u32, u32))>,
-    /// Keys of the motions of the pairs in `nearest`.
-    pub(super) seen_motions: HashSet<MotionKey>,
+}
+
+/// Buffers for the pairs of spheres in an interval.
+#[derive(Debug, Default)]
+pub(super) struct CandidateBuffers {
+    /// Ways of b's listed spheres.
+    ways_b: Vec<Way>,
+    pub(super) candidates: Vec<SphereCandidate>,
+    /// Candidates that may be the nearest ones at some time.
+    pub(super) nearest: Vec<(u32, u32)>,
 }
 
 /// Relative motion of two spheres in an interval.
@@ -182,27 +188,40 @@ impl<'a> SpheresOverPart<'a> {
         [x, y, z, a.radius, b.radius].map(f64::to_bits)
     }
 
-    /// Copies a list twice, each time with one half of the spheres of the body that has more, and calls `visit` with
-    /// either. Halves are neighbours.
+    /// Copies a list twice, each time with a part of the spheres of the body that has more, and calls `visit` with
+    /// either. Those of a part are neighbours, if that leaves either of them enough.
     pub(super) fn each_half(
         &self,
-        near: &mut NearSpheres,
+        near: &NearSpheres,
         half: &mut NearSpheres,
         mut visit: impl FnMut(&mut NearSpheres),
     ) {
         let body = usize::from(near.listed[1].len() > near.listed[0].len());
+        let listed = &near.listed[body];
         let offset = |one: &ListedSphere| self.sphere(body, one.number).offset;
-        let (listed, other) = if body == 0 {
-            let [listed, other] = &mut near.listed;
-            (listed, other)
-        } else {
-            let [other, listed] = &mut near.listed;
-            (listed, other)
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for one in listed {
+            let offset = offset(one);
+            (low, high) = (low.min(offset), high.max(offset));
+        }
+        let axis = (high - low).max_position();
+        let middle = low[axis].midpoint(high[axis]);
+        let is_low = |one: &ListedSphere| offset(one)[axis] < middle;
+        let count = listed.iter().filter(|one| is_low(one)).count();
+        let is_uneven = 8 * count.min(listed.len() - count) < listed.len();
+        let is_first = |place: usize, one: ListedSphere| {
+            if is_uneven {
+                place < listed.len() / 2
+            } else {
+                is_low(&one)
+            }
         };
-        for members in divide(listed, offset) {
-            half.listed[body].clear();
-            half.listed[body].extend_from_slice(members);
-            half.listed[1 - body].clone_from(other);
+        for first in [true, false] {
+            half.listed[body].clone_from(listed);
+            retain_from(0, &mut half.listed[body], |place, one| {
+                is_first(place, one) == first
+            });
+            half.listed[1 - body].clone_from(&near.listed[1 - body]);
             visit(half);
         }
     }
@@ -237,18 +256,12 @@ impl<'a> SpheresOverPart<'a> {
         SphereCandidate::new((a, b), &way_a.relative_to(&way_b), radii, 0.0)
     }
 
-    /// Returns the least separation (m) of one of b's spheres and any of a's listed ones in an interval, without the errors of
-    /// their centres; `separation` says which one of two spheres, in the unit of lengths.
-    pub(super) fn least_of_some(
-        &self,
-        interval: &Interval,
-        near: &NearSpheres,
-        b: u32,
-        separation: impl Fn(&Way, &Way) -> f64,
-    ) -> f64 {
+    /// Returns the least separation (m) that one of b's spheres and any of a's listed ones come within in an interval, without
+    /// the errors of their centres.
+    pub(super) fn least_reached(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
         let way_b = self.way(interval, 1, b);
         let numbers = near.listed[0].iter().map(|one| one.number);
-        let all = numbers.map(|number| separation(&self.way(interval, 0, number), &way_b));
+        let all = numbers.map(|number| self.way(interval, 0, number).separation_reached(&way_b));
         all.fold(f64::INFINITY, f64::min) / self.power
     }
 
@@ -292,25 +305,25 @@ impl<'a> SpheresOverPart<'a> {
         self.motion.blur() + turning(0) + turning(1)
     }
 
-    /// Calls `visit` with the pairs of listed spheres that cheap tests cannot rule out to come within `margin` in an
-    /// interval. Their reaches tell those apart that are farther than `bound` (m).
-    #[inline(always)]
-    pub(super) fn each_candidate(
+    /// Lists the pairs of listed spheres that cheap tests cannot rule out to come within `margin` (m) in an interval.
+    #[inline]
+    pub(super) fn list_candidates(
         &self,
         interval: &Interval,
-        (margin, bound): (f64, f64),
-        near: &mut NearSpheres,
-        mut visit: impl FnMut(SphereCandidate),
+        margin: f64,
+        near: &NearSpheres,
+        buffers: &mut CandidateBuffers,
     ) {
-        let NearSpheres {
-            listed: [listed_a, listed_b],
-            ways_b,
-            ..
-        } = near;
+        let CandidateBuffers {
+            ways_b, candidates, ..
+        } = buffers;
+        let [listed_a, listed_b] = &near.listed;
         let power = self.power;
+        candidates.clear();
         ways_b.clear();
         ways_b.extend(listed_b.iter().map(|one| self.way(interval, 1, one.number)));
-        let within = (self.threshold(margin) + self.error) * power;
+        let bound = self.threshold(margin);
+        let within = (bound + self.error) * power;
         for one in listed_a {
             let radius_a = self.sphere(0, one.number).radius;
             let way_a = self.way(interval, 0, one.number);
@@ -334,7 +347,7 @@ impl<'a> SpheresOverPart<'a> {
                 let spheres = (one.number, other.number);
                 let candidate = SphereCandidate::new(spheres, &points, radii, distance);
                 if radius >= 0.0 && candidate.distance <= threshold {
-                    visit(candidate);
+                    candidates.push(candidate);
                 }
             }
         }

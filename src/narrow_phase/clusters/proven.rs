@@ -46,8 +46,6 @@ pub(super) struct ProvenContacts {
     part: Span,
     margin: f64,
     clip: (f64, f64),
-    /// Difference of separations below which another pair may be the nearest one, m.
-    slack: f64,
 }
 
 impl ProvenContacts {
@@ -56,20 +54,21 @@ impl ProvenContacts {
     /// Share of the part that is more than the rounding of shares.
     const SHARE: f64 = 1e-12;
 
-    pub(super) fn new(part: Span, (margin, clip): (f64, (f64, f64)), slack: f64) -> Self {
+    pub(super) fn new(part: Span, (margin, clip): (f64, (f64, f64))) -> Self {
         Self {
             contacts: ArrayVec::new(),
             part,
             margin,
             clip,
-            slack,
         }
     }
 
-    /// Adds the contacts of a pair of spheres.
-    pub(super) fn learn(&mut self, found: &[ProvenContact]) {
+    /// Adds the contacts of a pair of spheres. Another pair may be the nearest one in them if its separation is at most `slack`
+    /// greater, m.
+    pub(super) fn learn(&mut self, found: &[ProvenContact], slack: f64) {
         for contact in found {
             let mut contact = *contact;
+            contact.separation += slack;
             self.contacts.retain(|known| !contact.joins(known));
             if !self.contacts.is_full() {
                 let is_before = |known: &&ProvenContact| known.exit < contact.enter;
@@ -117,7 +116,7 @@ impl ProvenContacts {
             } else {
                 until
             };
-            push(exit, self.margin.min(contact.separation + self.slack));
+            push(exit, self.margin.min(contact.separation));
         }
         push(until, self.margin);
         push(1.0, f64::NEG_INFINITY);

@@ -4,22 +4,30 @@
 //! interval with many pairs is halved: in a short time, distances of spheres along one direction tell most pairs apart.
 //! Each pair is solved over the whole part.
 
-use super::candidates::{SphereCandidate, remove_behind};
-use super::near::{NearSpheres, Way};
-use super::part::{Interval, MotionKey, PartScratch, SpheresOverPart};
+use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
+use super::near::NearSpheres;
+use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOverPart};
 use super::proven::{BoundedPiece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
 
 /// A question about two bodies over a part of a span.
 pub(super) trait Question {
+    /// True if all pairs matter that are the nearest ones at some time.
+    const IS_OF_ALL_TIMES: bool = false;
+
     /// Appends the pieces of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
     /// be reached.
     fn list_pieces(&self, interval: (f64, f64), pieces: &mut Pieces);
-    /// Solves a pair of spheres.
-    fn solve(&mut self, pair: &SpherePair);
+
+    /// Solves a pair of spheres. If more may follow in the part, `slack` is the difference of separations below which it is
+    /// not certain which pair is nearer, m.
+    fn solve(&mut self, pair: &SpherePair, slack: Option<f64>);
+
     /// Notes that two spheres come as near as this at some time of the part, m. Returns false if that tells nothing.
-    fn note_upper_bound(&mut self, separation: f64) -> bool;
+    fn note_upper_bound(&mut self, _separation: f64) -> bool {
+        false
+    }
 }
 
 /// Asks for the pairs that may come nearer than `reached`, m; `solve` returns its new value.
@@ -38,7 +46,7 @@ impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
         pieces.push(BoundedPiece { end: 1.0, bound });
     }
 
-    fn solve(&mut self, pair: &SpherePair) {
+    fn solve(&mut self, pair: &SpherePair, _: Option<f64>) {
         self.reached = self.reached.min((self.solve)(pair));
     }
 
@@ -64,14 +72,12 @@ impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuesti
         self.proven.list_pieces(interval, pieces);
     }
 
-    fn solve(&mut self, pair: &SpherePair) {
+    fn solve(&mut self, pair: &SpherePair, slack: Option<f64>) {
         self.found.clear();
         (self.solve)(pair, self.found);
-        self.proven.learn(self.found);
-    }
-
-    fn note_upper_bound(&mut self, _: f64) -> bool {
-        false
+        if let Some(slack) = slack {
+            self.proven.learn(self.found, slack);
+        }
     }
 }
 
@@ -80,9 +86,8 @@ impl SpheresOverPart<'_> {
     pub(super) fn search(&self, question: &mut impl Question, scratch: &mut PartScratch) {
         let PartScratch {
             near,
-            candidates,
+            buffers,
             solved,
-            ..
         } = scratch;
         solved.clear();
         let [first, deeper @ ..] = near;
@@ -91,9 +96,10 @@ impl SpheresOverPart<'_> {
             part: self,
             question,
             pieces: Pieces::new(),
-            slack: self.slack(),
-            candidates,
+            slack: None,
+            buffers,
             solved,
+            is_divided: false,
         };
         search.search_over(&self.whole, f64::INFINITY, (first, deeper));
     }
@@ -105,11 +111,14 @@ struct Search<'s, 'a, Q> {
     question: &'s mut Q,
     /// Pieces of the interval at hand.
     pieces: Pieces,
-    /// Difference of separations below which it is not certain which pair of spheres is nearer, m.
-    slack: f64,
-    candidates: &'s mut Vec<SphereCandidate>,
+    /// Difference of separations below which it is not certain which pair of spheres is nearer, m. `None` if that was not
+    /// needed yet.
+    slack: Option<f64>,
+    buffers: &'s mut CandidateBuffers,
     /// Pairs of spheres that are solved.
     solved: &'s mut Vec<(MotionKey, (u32, u32))>,
+    /// True if the spheres or the part are halved.
+    is_divided: bool,
 }
 
 impl<Q: Question> Search<'_, '_, Q> {
@@ -125,18 +134,20 @@ impl<Q: Question> Search<'_, '_, Q> {
         (near, deeper): (&mut NearSpheres, &mut [NearSpheres]),
     ) {
         let part = self.part;
-        if self.bound(interval) == f64::NEG_INFINITY || near.pairs() == 0 {
+        let mut bound = self.bound(interval);
+        if bound == f64::NEG_INFINITY || near.pairs() == 0 {
             return;
         }
         part.find_reaches(interval, near);
         let facing = near.facing();
-        if self.bound(interval) == f64::INFINITY {
-            let least = part.least_of_some(interval, near, facing.1, Way::separation_reached);
-            if !self.question.note_upper_bound(least + self.slack) {
+        if bound == f64::INFINITY {
+            let reached = part.least_reached(interval, near, facing.1) + self.slack();
+            if !self.question.note_upper_bound(reached) {
                 self.solve_if_near(interval, &part.candidate(interval, facing));
             }
+            bound = self.bound(interval);
         }
-        near.remove_far(part.threshold(self.bound(interval).min(most)));
+        near.remove_far(part.threshold(bound.min(most)));
         if near.pairs() > SpheresOverPart::MANY
             && let [next, deeper @ ..] = deeper
         {
@@ -146,10 +157,12 @@ impl<Q: Question> Search<'_, '_, Q> {
                 || is_crowded && way.length > SpheresOverPart::LONG;
             let is_halved = is_long && interval.is_divisible();
             if is_halved || is_crowded {
+                self.is_divided = true;
                 self.solve_if_near(interval, &part.candidate(interval, facing));
                 // Pairs that are always farther are not the nearest ones.
-                most = most.min(way.most + self.slack);
-                near.remove_far(part.threshold(self.bound(interval).min(most)));
+                most = most.min(way.most + self.slack());
+                bound = self.bound(interval);
+                near.remove_far(part.threshold(bound.min(most)));
                 is_crowded = near.pairs() > SpheresOverPart::CROWDED;
             }
             if is_halved {
@@ -166,27 +179,35 @@ impl<Q: Question> Search<'_, '_, Q> {
                 return;
             }
         }
-        let within = self.bound(interval).min(most);
-        self.candidates.clear();
-        part.each_candidate(interval, (within, part.threshold(within)), near, |one| {
-            self.candidates.push(one);
-        });
+        part.list_candidates(interval, bound.min(most), near, self.buffers);
         self.solve_candidates(interval);
     }
 
     fn solve_candidates(&mut self, interval: &Interval) {
-        let part = self.part;
-        let power = part.power;
-        if self.candidates.len() > Self::FEW {
-            remove_behind(self.candidates, 0, self.slack * power);
+        if self.buffers.candidates.is_empty() {
+            return;
         }
-        let nearest = self.candidates.iter().enumerate();
-        let nearest = nearest.min_by(|(_, x), (_, y)| x.least().total_cmp(&y.least()));
-        if let Some((first, _)) = nearest {
-            self.candidates.swap(0, first);
+        let slack = self.slack() * self.part.power;
+        let CandidateBuffers {
+            candidates,
+            nearest,
+            ..
+        } = &mut *self.buffers;
+        if Q::IS_OF_ALL_TIMES && !self.is_divided {
+            // Pairs that go along together are told apart by each other, before any is solved.
+            nearest.clear();
+            find_nearest(candidates, 0, slack, HALVINGS, nearest);
+            for place in 0..nearest.len() {
+                self.solve_once(self.buffers.nearest[place], None);
+            }
+            return;
         }
-        for place in 0..self.candidates.len() {
-            let candidate = self.candidates[place];
+        if candidates.len() > Self::FEW {
+            remove_behind(candidates, 0, slack);
+        }
+        candidates.sort_unstable_by(|x, y| x.least().total_cmp(&y.least()));
+        for place in 0..candidates.len() {
+            let candidate = self.buffers.candidates[place];
             self.solve_if_near(interval, &candidate);
         }
     }
@@ -199,8 +220,13 @@ impl<Q: Question> Search<'_, '_, Q> {
         if candidate.least() <= within(self.bound(interval))
             && candidate.comes_within(&self.pieces, within)
         {
-            self.solve_once(candidate.spheres);
+            let slack = self.slack();
+            self.solve_once(candidate.spheres, Some(slack));
         }
+    }
+
+    fn slack(&mut self) -> f64 {
+        *self.slack.get_or_insert_with(|| self.part.slack())
     }
 
     /// Lists the pieces of an interval, and returns the largest of their bounds, m.
@@ -213,12 +239,12 @@ impl<Q: Question> Search<'_, '_, Q> {
 
     /// Solves two spheres, unless they or first ones with the same motion are solved. Of ties, the first spheres are
     /// reported.
-    fn solve_once(&mut self, spheres: (u32, u32)) {
+    fn solve_once(&mut self, spheres: (u32, u32), slack: Option<f64>) {
         let motion = self.part.motion_key(spheres);
         let mut solved = self.solved.iter();
         if !solved.any(|&(other, first)| other == motion && first <= spheres) {
             self.solved.push((motion, spheres));
-            self.question.solve(&self.part.pair(spheres));
+            self.question.solve(&self.part.pair(spheres), slack);
         }
     }
 }
