@@ -56,14 +56,14 @@
 //! | rounding of a slope | `enclosure/minorant` | `minorant::exactly::the_slope_is_below_the_exact_one` |
 //! | rounding of the leading coefficient: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
 //! | a minorant's least value: base, sink | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
-//! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_level_beyond_its_reach` |
+//! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_threshold_beyond_its_reach` |
 //! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance, ends of parameters | `enclosure/minimum` | `minimum::tests` |
 //! | Markov's 18, 96 and 192, the error across the way, what a range takes away | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_whatever_the_error` |
 //! | rounding of a stationary point's slope | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_of_a_rounded_slope` |
 //! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `stationary` | proof 3 |
 //! | twice the error to a minimiser | `enclosure/minimum` | `tests/extended/tests/enclosure` |
-//! | squares of levels; underflow of the outer one | `enclosure/levels` | `levels::tests`; `tests/extended/tests/enclosure` |
+//! | squares of thresholds; underflow of the outer one | `enclosure/thresholds` | `thresholds::tests`; `tests/extended/tests/enclosure` |
 //! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
 //! | squares of a part, crossings, trims | `enclosure/crossings` | proof 4 |
 //! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/extended/tests/kernels.rs` |

@@ -85,7 +85,11 @@ pub(crate) fn common_domain(a: &Knots<'_>, b: &Knots<'_>) -> Option<(f64, f64)> 
 }
 
 /// Returns the part of an interval (s) in which both motions exist.
-pub(crate) fn clip_of(a: &Knots<'_>, b: &Knots<'_>, interval: (f64, f64)) -> Option<(f64, f64)> {
+pub(crate) fn common_window(
+    a: &Knots<'_>,
+    b: &Knots<'_>,
+    interval: (f64, f64),
+) -> Option<(f64, f64)> {
     common_part(common_domain(a, b)?, interval)
 }
 

@@ -56,6 +56,9 @@ const FILES: &[(&str, &str)] = &[
       names with commas in quotation marks"),
     ("+0,0,0,0,0,0,0,0\n0,1,0\n",
      "row 3, column py: the row has 3 values, not 8 as the header; the last is \"0\""),
+    ("+0,0,0,0,0,0,0,0\n0,1,0;0;0;0;0;0\n",
+     "row 3, column py: the row has 3 values, not 8 as the header; the last is \"0;0;0;0;0;0\"; separate its values as \
+      those of the header"),
     ("+0,0,0,0,0,0,0,0\n0,1,0,fast,0,0,0,0\n", "row 3, column py: \"fast\" is not a finite number"),
     ("+0,0,0,0,0,\"0,0,0\n1,1,1,1,1,1,1,1\n",
      "row 2, column vy: the row has 6 values, not 8 as the header; the last is \"0,0,0\\n1,1,1,1,1,1,1,1\\n\\n\"; close \
@@ -302,6 +305,20 @@ fn command_lines() {
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 4);
 }
 
+/// An option that does not exist is not the name of a file: there is a hint only where another option has nearly its name.
+#[test]
+fn options_that_do_not_exist() {
+    for (option, hint) in [
+        ("--distance", ""),
+        ("--margn", "  tip: a similar argument exists: '--margin'"),
+    ] {
+        let result = example("screen").args(["states.csv", option]).output();
+        let said = plain(&result.unwrap().stderr);
+        let hints = said.lines().filter(|line| line.contains("tip"));
+        assert_eq!(hints.collect::<String>(), hint, "{said}");
+    }
+}
+
 #[test]
 fn calls() {
     let mut wrong = Vec::new();
@@ -330,7 +347,10 @@ fn points_without_a_margin() {
     for (option, expected) in [
         ("--margin=0", note),
         ("--margin=1", ""),
-        ("--radius=0.1", ""),
+        (
+            "--radius=0.1",
+            "note: no two bodies come within 0 m of each other: a larger --margin finds near misses\n",
+        ),
     ] {
         let mut command = example("screen");
         let result = command
@@ -338,6 +358,31 @@ fn points_without_a_margin() {
             .current_dir(&folder)
             .output();
         let result = result.unwrap();
+        assert!(result.status.success());
+        assert_eq!(plain(&result.stderr), expected);
+    }
+}
+
+/// Bodies that miss each other: a table without rows does not say so by itself.
+#[test]
+fn no_two_bodies_come_near() {
+    let folder = folder("wrong-far");
+    let states =
+        format!("{HEADER}0,0,0,0,0,0,0,0\n0,9,0,0,0,0,0,0\n1,0,9,0,0,0,0,0\n1,9,9,0,0,0,0,0\n");
+    std::fs::write(folder.join("states.csv"), states).unwrap();
+    for (options, expected) in [
+        (
+            ["--margin=2", "--radius=0"],
+            "note: no two bodies come within 2 m of each other\n",
+        ),
+        (
+            ["--margin=0", "--radius=1"],
+            "note: no two bodies come within 0 m of each other: a larger --margin finds near misses\n",
+        ),
+    ] {
+        let mut command = example("screen");
+        let command = command.arg("states.csv").args(options);
+        let result = command.current_dir(&folder).output().unwrap();
         assert!(result.status.success());
         assert_eq!(plain(&result.stderr), expected);
     }
@@ -355,7 +400,10 @@ fn a_window_in_which_no_body_exists() {
             "--window=100..200",
             "note: the window is 100.000..200.000 s, and no body exists then; the states cover 0.000..9.000 s\n",
         ),
-        ("--window=9..200", ""),
+        (
+            "--window=9..200",
+            "note: no two bodies come within 1 m of each other\n",
+        ),
     ] {
         let mut command = example("screen");
         let arguments = ["states.csv", window, "--margin=1"];

@@ -23,11 +23,19 @@ pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<Str
         ));
     } else if scene.len() == 1 {
         notes.push("there is one body, and no other one that it could meet".to_owned());
-    } else if screening.conflicts.is_empty() && margin <= 0.0 && is_of_points(scene) {
-        notes.push(format!(
-            "nothing is found, since the bodies are points and the margin is {margin} m: give --radius or a larger \
-             --margin"
-        ));
+    } else if screening.conflicts.is_empty() {
+        notes.push(if margin > 0.0 {
+            format!("no two bodies come within {margin} m of each other")
+        } else if is_of_points(scene) {
+            format!(
+                "nothing is found, since the bodies are points and the margin is {margin} m: give --radius or a larger \
+                 --margin"
+            )
+        } else {
+            format!(
+                "no two bodies come within {margin} m of each other: a larger --margin finds near misses"
+            )
+        });
     }
     notes
 }

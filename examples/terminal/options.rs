@@ -5,7 +5,7 @@
 
 use super::number::shortest;
 use super::speech::complain;
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{Args, CommandFactory, Parser};
 use nearmiss::{Error, MAX_MAGNITUDE};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -102,7 +102,13 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
 
 /// The command line. Ends the process as clap does if it is wrong, or asks for help.
 pub(crate) fn parse<A: Parser>() -> A {
-    A::try_parse().unwrap_or_else(|error| end(&error))
+    A::try_parse().unwrap_or_else(|mut error| {
+        if error.kind() == ErrorKind::UnknownArgument {
+            // To pass an option as the name of a file.
+            error.remove(ContextKind::Suggested);
+        }
+        end(&error)
+    })
 }
 
 /// Ends the process as clap does, over what clap cannot know: options that do not go together.

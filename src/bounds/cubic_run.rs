@@ -79,10 +79,10 @@ pub(super) fn largest(
     first: usize,
     end: usize,
 ) -> Option<(&CubicRun, usize)> {
-    let (mut level, mut shift, mut found) = (0, CubicRun::SHIFT, None);
+    let (mut start, mut shift, mut found) = (0, CubicRun::SHIFT, None);
     while first & ((1 << shift) - 1) == 0 && first + (1 << shift) <= end {
-        found = Some((level + (first >> shift), 1 << shift));
-        level += cubics >> shift;
+        found = Some((start + (first >> shift), 1 << shift));
+        start += cubics >> shift;
         shift += CubicRun::SHIFT;
     }
     let (number, count) = found?;

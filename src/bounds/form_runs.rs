@@ -37,10 +37,10 @@ impl CubicRun {
 
 /// Forms all complete runs: of 4 cubics each, then of 16, and so on.
 pub(super) fn form_runs(knots: &[f64], compact_cubics: &[CompactCubic], runs: &mut [CubicRun]) {
-    let (mut size, mut below, mut level) = (CubicRun::SIZE, 0, 0);
+    let (mut size, mut below, mut start) = (CubicRun::SIZE, 0, 0);
     while compact_cubics.len() >= size {
         let count = compact_cubics.len() / size;
-        let (smaller, these) = runs.split_at_mut(level);
+        let (smaller, these) = runs.split_at_mut(start);
         for (number, run) in these[..count].iter_mut().enumerate() {
             let knots = &knots[number * size..=(number + 1) * size];
             let four = number * CubicRun::SIZE..(number + 1) * CubicRun::SIZE;
@@ -50,6 +50,6 @@ pub(super) fn form_runs(knots: &[f64], compact_cubics: &[CompactCubic], runs: &m
                 CubicRun::of_runs(&smaller[below..][four], knots)
             };
         }
-        (below, level, size) = (level, level + count, size * CubicRun::SIZE);
+        (below, start, size) = (start, start + count, size * CubicRun::SIZE);
     }
 }

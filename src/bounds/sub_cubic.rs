@@ -21,11 +21,11 @@ pub(crate) struct SubCubic {
 impl SubCubic {
     /// Roundings of the points at first, and per split: of coordinates and of `spread`.
     ///
-    /// Coordinates: one per point of a compact trajectory. A split has three levels of de Casteljau, each
+    /// Coordinates: one per point of a compact trajectory. A split has three steps of de Casteljau, each
     /// with one rounding of its sum. Two more for the sums of a box, or three for the line of a fat
     /// line and one for its origin, and one spare.
     ///
-    /// Spread: differences of points are at most 2. At each level a difference and its product with
+    /// Spread: differences of points are at most 2. At each step a difference and its product with
     /// the share are rounded, 3 (2 + 2). The share's own rounding moves a point by up to 6.
     /// Coordinates of a part may be smaller than the rounded ones, by 2 for each rounding of these: 2 at
     /// first, with 2 spare. Of a split's, the count for the share has 3 to spare: a share below 1 is rounded

@@ -45,12 +45,12 @@ pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
 }
 
 /// Returns the balls around some centres that contain the surfaces, and the volumes that they bound,
-/// with about the least overshoot. `level` is about that overshoot.
+/// with about the least overshoot. `expected` is about that overshoot.
 pub(super) fn certify(
     solid: &Solid,
     surfaces: &[Surface],
     centres: &[DVec3],
-    mut level: f64,
+    mut expected: f64,
 ) -> Certified {
     const ROUNDS: u32 = 8;
     // A second proof, from other surfaces and other shares, needs some room. Half-spaces are moved
@@ -64,7 +64,8 @@ pub(super) fn certify(
         overshoot: f64::INFINITY,
     };
     for _ in 0..ROUNDS {
-        let with_radius = |(&centre, &height): (&DVec3, &f64)| (centre, (level - height).max(0.0));
+        let with_radius =
+            |(&centre, &height): (&DVec3, &f64)| (centre, (expected - height).max(0.0));
         let mut balls: Vec<_> = centres.iter().zip(&heights).map(with_radius).collect();
         let needed = needed_radii(surfaces, &balls);
         let mut overshoot = f64::NEG_INFINITY;
@@ -84,7 +85,7 @@ pub(super) fn certify(
         if gain < 1e-4 * overshoot {
             break;
         }
-        level = overshoot;
+        expected = overshoot;
     }
     best
 }

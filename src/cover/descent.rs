@@ -81,7 +81,7 @@ pub(super) fn descend(
 ) -> CoverCandidate {
     scratch.motions.clear();
     scratch.motions.resize(centres.len(), Moments::default());
-    let mut level = f64::NAN;
+    let mut expected = f64::NAN;
     let mut best = CoverCandidate {
         centres: centres.clone(),
         overshoot: f64::INFINITY,
@@ -92,15 +92,15 @@ pub(super) fn descend(
         let share = schedule.first * (schedule.last / schedule.first).powf(progress);
         // What lies deeper has no weight.
         let depth = (NO_WEIGHT + 1.0) * share * best.overshoot * schedule.temperature;
-        let overshoot = scratch.measure(solid, target, &centres, level, depth);
+        let overshoot = scratch.measure(solid, target, &centres, expected, depth);
         if overshoot < best.overshoot {
             best.overshoot = overshoot;
             best.centres.clone_from(&centres);
         }
-        if level.is_nan() {
+        if expected.is_nan() {
             unit = (scratch.spacing(overshoot) * overshoot).max(0.0).sqrt();
         }
-        level = overshoot;
+        expected = overshoot;
         let length = share * unit;
         scratch.find_gradient(
             &centres,
@@ -134,18 +134,18 @@ impl Moments {
 }
 
 impl DescentScratch {
-    /// Finds the points that each ball must contain, and returns the overshoot. `level` is about
-    /// the overshoot to expect, NaN if nothing is known. Points that are neither among the worst nor within
+    /// Finds the points that each ball must contain, and returns the overshoot. `expected` is about
+    /// the overshoot, NaN if nothing is known. Points that are neither among the worst nor within
     /// `depth` of the overshoot may be left out.
     pub(super) fn measure(
         &mut self,
         solid: &Solid,
         target: &Target<'_>,
         centres: &[DVec3],
-        level: f64,
+        expected: f64,
         depth: f64,
     ) -> f64 {
-        self.place_balls(solid, target, centres, level);
+        self.place_balls(solid, target, centres, expected);
         self.demands.clear();
         match target {
             Target::Surfaces(surfaces) => {
@@ -157,11 +157,17 @@ impl DescentScratch {
         }
     }
 
-    fn place_balls(&mut self, solid: &Solid, target: &Target<'_>, centres: &[DVec3], level: f64) {
-        let level = if level.is_nan() {
+    fn place_balls(
+        &mut self,
+        solid: &Solid,
+        target: &Target<'_>,
+        centres: &[DVec3],
+        expected: f64,
+    ) {
+        let expected = if expected.is_nan() {
             solid.diameter
         } else {
-            level
+            expected
         };
         self.heights.clear();
         let height = |&centre: &DVec3| match target {
@@ -171,20 +177,20 @@ impl DescentScratch {
         self.heights.extend(centres.iter().map(height));
         self.balls.clear();
         for (&centre, &(height, _)) in centres.iter().zip(&self.heights) {
-            self.balls.push((centre, (level - height).max(0.0)));
+            self.balls.push((centre, (expected - height).max(0.0)));
         }
     }
 
-    /// Returns the overshoot without each of the balls, as if the others stayed. `level` is about the
+    /// Returns the overshoot without each of the balls, as if the others stayed. `expected` is about the
     /// overshoot with all.
     pub(super) fn losses(
         &mut self,
         solid: &Solid,
         target: &Target<'_>,
         centres: &[DVec3],
-        level: f64,
+        expected: f64,
     ) -> Vec<f64> {
-        self.place_balls(solid, target, centres, level);
+        self.place_balls(solid, target, centres, expected);
         match target {
             Target::Surfaces(surfaces) => self.losses_of_surfaces(surfaces),
             Target::Samples(samples) => {
@@ -247,9 +253,9 @@ impl DescentScratch {
         Some((one.point, centres[one.ball]))
     }
 
-    /// Returns a third of the mean radius at a level.
-    fn spacing(&self, level: f64) -> f64 {
-        let radii = self.heights.iter().map(|(height, _)| level - height);
+    /// Returns a third of the mean radius that gives an overshoot.
+    fn spacing(&self, overshoot: f64) -> f64 {
+        let radii = self.heights.iter().map(|(height, _)| overshoot - height);
         radii.sum::<f64>() / (3.0 * as_f64(self.heights.len()))
     }
 

@@ -21,11 +21,11 @@ pub(super) fn crossing_estimate(
             linear + (square * 2.0 + cube * (3.0 * x)) * x,
         )
     };
-    let level = radius * radius;
+    let squared_radius = radius * radius;
     let (start, end) = (k0.length_squared(), points[3].length_squared());
     let (mut low, mut high) = (0.0, 1.0);
     // Next to a minimum the squared distance grows with the square of the time.
-    let first = guess.unwrap_or_else(|| ((level - start) / (end - start)).sqrt());
+    let first = guess.unwrap_or_else(|| ((squared_radius - start) / (end - start)).sqrt());
     let mut x = if 0.0 < first && first < 1.0 {
         first
     } else {
@@ -37,7 +37,7 @@ pub(super) fn crossing_estimate(
         let square = position.length_squared();
         let slope = position.dot(velocity);
         rate = slope.abs() / (square.sqrt() + TINY);
-        let excess = square - level;
+        let excess = square - squared_radius;
         if excess < 0.0 {
             low = x;
         } else {

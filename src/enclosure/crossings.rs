@@ -1,11 +1,11 @@
 //! The certified partition: certainly inside a threshold, certainly outside, undecided.
 
 use super::crossing_estimate::{crossing_estimate, nearest_certain};
-use super::levels::{SignPattern, SquaredThresholds};
 use super::minorant::Minorant;
 use super::part::{part, point, reversed, squared_distance};
 use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stretches::Stretches;
+use super::thresholds::{SignPattern, SquaredThresholds};
 use super::{Threshold, UncertainCubic, Verdict};
 use crate::blossom::ControlPolygon;
 use crate::guess::least_point;
@@ -33,17 +33,17 @@ struct PartitionSearch {
     work: u32,
 }
 
-/// The sign pattern of a part's Bernstein coefficients against both levels.
+/// The sign pattern of a part's Bernstein coefficients against both thresholds.
 enum PartPattern {
     Uniform(Verdict),
-    /// Crosses each of these levels once, outwards.
+    /// Crosses each of these thresholds once, outwards.
     Rising(Crossed),
-    /// Crosses each of these levels once, inwards.
+    /// Crosses each of these thresholds once, inwards.
     Falling(Crossed),
     Mixed(Mixed),
 }
 
-/// The levels that a part crosses; it stays on one side of the other.
+/// The thresholds that a part crosses; it stays on one side of the other.
 #[derive(Clone, Copy)]
 struct Crossed {
     inside: bool,
@@ -85,7 +85,7 @@ impl UncertainCubic {
         let low = cubic.bring_below(threshold.low);
         let high = cubic.bring_above(threshold.high);
         // What is compared with `own` has passed `computed` before: the four roundings more cover
-        // those of forming the levels themselves.
+        // those of forming the thresholds themselves.
         let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
         let mut search = PartitionSearch {
             cubic,
@@ -173,7 +173,7 @@ impl PartitionSearch {
             // Twice as far, where outside is certain by a margin: then the next step settles it.
             return Trim::Examine(2.0 * reach);
         }
-        // A touch: all of the part is next to the outer level or beyond, and so is what is trimmed.
+        // A touch: all of the part is next to the outer threshold or beyond, and so is what is trimmed.
         let touching = (self.high - 4.0 * self.cubic.part_error()).or_more(0.0);
         let is_next = |x: f64| point(points, x).length_squared() <= self.blurred.outside;
         if reach < SETTLED && least >= touching * touching && is_next(reach) {
@@ -184,7 +184,7 @@ impl PartitionSearch {
     }
 
     /// Returns the last parameter that is certainly inside and the first that is certainly outside.
-    /// For a level that is not crossed: that end of the part.
+    /// For a threshold that is not crossed: that end of the part.
     ///
     /// `points` is counted from the inner end at `origin`; the outer end is at `target`.
     fn crossing(

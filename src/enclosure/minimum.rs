@@ -25,13 +25,13 @@ fn minorant_between(points: &ControlPolygon, a: f64, b: f64) -> (Minorant, f64, 
 }
 
 /// Returns the parameters between `base` and `tip` at which the squared distance can be at most
-/// `level`, with the minorant of that part around `base`.
+/// `bound`, with the minorant of that part around `base`.
 #[inline]
-fn can_reach(minorant: &Minorant, level: f64, base: f64, tip: f64) -> Option<ParameterEnclosure> {
-    if minorant.lower() > level {
+fn can_reach(minorant: &Minorant, bound: f64, base: f64, tip: f64) -> Option<ParameterEnclosure> {
+    if minorant.lower() > bound {
         return None;
     }
-    let reach = minorant.parameter_bound(level) * (tip - base);
+    let reach = minorant.parameter_bound(bound) * (tip - base);
     let farthest = if reach < 0.0 {
         outward(base + reach, -1.0).or_more(tip)
     } else {
@@ -164,7 +164,7 @@ pub(crate) fn target(size: f64, error: f64, best: f64) -> f64 {
 /// Returns the largest computed squared distance of a minimiser of the exact distance. The exact
 /// one is at most the best point's plus its error, the computed one at most one error more.
 #[inline]
-fn level(error: f64, best: f64) -> f64 {
+fn largest_square(error: f64, best: f64) -> f64 {
     let root = root_above(best) + 2.0 * error;
     root * root * (1.0 + 8.0 * UNIT_ROUNDOFF)
 }
@@ -218,9 +218,9 @@ impl<'c> BranchAndBound<'c> {
     /// Returns an interval of all parameters at which the minimum can be, from both sides of the
     /// guess; `None` only if rounding contradicts itself.
     fn hull(&self, [before, after]: &[Minorant; 2]) -> Option<ParameterEnclosure> {
-        let level = level(self.error, self.square);
+        let bound = largest_square(self.error, self.square);
         let sides = [(before, 0.0), (after, 1.0)];
-        let reached = sides.map(|(minorant, tip)| can_reach(minorant, level, self.best, tip));
+        let reached = sides.map(|(minorant, tip)| can_reach(minorant, bound, self.best, tip));
         let reached = reached.into_iter().flatten();
         reached.reduce(ParameterEnclosure::hull)
     }
@@ -293,11 +293,11 @@ impl<'c> BranchAndBound<'c> {
 
     /// Returns an interval of all parameters at which the minimum can be, from the remaining parts.
     fn hull_of(&self, parts: &[BoundedPart]) -> Option<ParameterEnclosure> {
-        let level = level(self.error, self.square);
-        let possible = parts.iter().filter(|part| part.lower <= level);
+        let bound = largest_square(self.error, self.square);
+        let possible = parts.iter().filter(|part| part.lower <= bound);
         let reached = possible.filter_map(|part| {
             let (minorant, base, tip) = minorant_between(&self.cubic.points, part.start, part.end);
-            can_reach(&minorant, level, base, tip)
+            can_reach(&minorant, bound, base, tip)
         });
         reached.reduce(ParameterEnclosure::hull)
     }

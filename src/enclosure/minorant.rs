@@ -77,13 +77,13 @@ impl Minorant {
         self.base - sink * (1.0 + 8.0 * UNIT_ROUNDOFF) - 6.0 * UNIT_ROUNDOFF * self.base - TINY
     }
 
-    /// Returns an x beyond which the squared distance is certainly above `level`, or 1 if unknown.
+    /// Returns an x beyond which the squared distance is certainly above `threshold`, or 1 if unknown.
     #[inline]
-    pub(super) fn parameter_bound(&self, level: f64) -> f64 {
+    pub(super) fn parameter_bound(&self, threshold: f64) -> f64 {
         let (slope, leading) = (self.slope, self.leading);
         let base = self.base * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY;
         // Room above the base; the quadratic exceeds it beyond its larger root.
-        let gap = (level - base).or_more(TINY);
+        let gap = (threshold - base).or_more(TINY);
         let x = if leading > 0.0 {
             // sqrt(slope² + 4 leading gap) <= |slope| + 2 sqrt(leading gap), and each term alone holds.
             let by_leading = (gap / leading).sqrt();

@@ -34,9 +34,9 @@
 //!
 //! # 1. Parts
 //!
-//! A control point of the part over a..=b is formed in three levels of (1 - t) p + t q, with t = a
+//! A control point of the part over a..=b is formed in three steps of (1 - t) p + t q, with t = a
 //! or b (the blossom; where a = 0 or b = 1 it is de Casteljau's scheme). A term passes at most
-//! three roundings per level (1 - t, the product, the sum), nine in all. The weights are not
+//! three roundings per step (1 - t, the product, the sum), nine in all. The weights are not
 //! negative and sum to one, hence
 //!
 //! ```text
@@ -102,7 +102,7 @@
 //! has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most
 //! 15 times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is
 //! lowered by u (530 m A + 200 A²). The quadratic also tells beyond which x the distance is
-//! certainly above a level.
+//! certainly above a bound.
 //!
 //! # 5. The least distance
 //!
@@ -120,7 +120,7 @@
 //! is below 16 u M (the spacing of s below 1 alone moves h by up to 6 u M), or at a limit of work.
 //!
 //! **When.** At a minimiser of the exact distance that distance is at most m + F, the computed one
-//! at most m + 2 F. What the quadratics of all parts leave below that level is a first enclosure of
+//! at most m + 2 F. What the quadratics of all parts leave below that bound is a first enclosure of
 //! all minimisers; its width is of the order of sqrt(m F / c2), the best that values can tell.
 //! Slopes tell more. The error is a cubic that stays below F on the part, so by Markov's
 //! inequalities (along any direction) its three derivatives by x stay below 18 F, 96 F and 192 F.
@@ -137,9 +137,9 @@
 //! For a threshold R between R1 and R2, |h| < R1 - E is certainly inside, |h| > R2 + E certainly
 //! outside. Parts are judged by the coefficients of section 2, with e = 9 u M:
 //!
-//! - all on one side of a level: then so is the part;
+//! - all on one side of a squared threshold: then so is the part;
 //! - certain signs that change once, with at most one uncertain coefficient where they change: by
-//!   Descartes' rule of signs in Bernstein form the level is crossed exactly once. Newton's method
+//!   Descartes' rule of signs in Bernstein form it is crossed exactly once. Newton's method
 //!   finds where; then the nearest points are sought at which the computed distance differs from
 //!   the threshold by F and a few roundings. As there is no second crossing, all of the part before
 //!   the one and beyond the other is certain;
@@ -166,7 +166,7 @@
 //!
 //! `NEARMISS_SEEDS=0..2500 cargo test --release --test oracle -- --ignored --nocapture`: questions
 //! to whole scenes, each two trajectories from states, a margin and a window; every answer verified
-//! in exact integer arithmetic by the signs of `distance² - level²` over the intervals that its
+//! in exact integer arithmetic by the signs of `distance² - threshold²` over the intervals that its
 //! certificate names, a fiftieth of them by isolating all roots. Half of the questions and all of
 //! some families ask for a margin within 1e-6, 1e-9, 1e-12, a rounding, or nothing of the least
 //! distance: hence the unresolved ones. L is the local scale. (`Beyond` extrapolates and coasts.
@@ -192,13 +192,13 @@
 mod crossing_estimate;
 mod crossings;
 mod cubic;
-mod levels;
 mod minimum;
 mod minorant;
 mod part;
 mod scaled;
 mod stationary;
 mod stretches;
+mod thresholds;
 
 pub use cubic::{
     DistanceEnclosure, Effort, LeastDistance, OutOfRange, ParameterEnclosure, Stretch, Threshold,

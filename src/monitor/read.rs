@@ -220,11 +220,11 @@ impl ReadContext<'_> {
         })
     }
 
-    /// Finds all contacts of a pair within `margin` and the bodies' model errors in `clip`; replaces
+    /// Finds all contacts of a pair within `margin` and the bodies' model errors in `window`; replaces
     /// the content of `found`.
-    fn contacts(&self, slots: SlotPair, margin: f64, clip: (f64, f64), found: &mut Vec<Contact>) {
+    fn contacts(&self, slots: SlotPair, margin: f64, window: (f64, f64), found: &mut Vec<Contact>) {
         let margin = self.scene.widened(slots, margin);
-        self.search.solved.contacts(slots, margin, clip, found);
+        self.search.solved.contacts(slots, margin, window, found);
     }
 
     fn views(&self, (a, b): SlotPair) -> Option<[BodyView<'_>; 2]> {
@@ -233,13 +233,13 @@ impl ReadContext<'_> {
     }
 
     /// Returns the conflict of a contact of a pair, clipped to an interval (s).
-    fn report(&self, slots: SlotPair, clip: (f64, f64), contact: &Contact) -> Option<Conflict> {
+    fn report(&self, slots: SlotPair, window: (f64, f64), contact: &Contact) -> Option<Conflict> {
         let name = |slot| {
             let (id, entry) = self.scene.in_slot(slot)?;
             Some((id, entry.body.tag))
         };
         let names = [name(slots.0)?, name(slots.1)?];
         let [a, b] = self.views(slots)?;
-        Some(conflict(contact, names, (&a, &b), clip))
+        Some(conflict(contact, names, (&a, &b), window))
     }
 }

@@ -122,18 +122,18 @@ impl SolvedSpans {
         entries[first..].iter().take_while(of_pair)
     }
 
-    /// Finds all contacts of a pair within `margin` in `clip`, in the order of time; replaces the content of
+    /// Finds all contacts of a pair within `margin` in `window`, in the order of time; replaces the content of
     /// `found`.
     pub(super) fn contacts(
         &self,
         pair: SlotPair,
         margin: f64,
-        clip: (f64, f64),
+        window: (f64, f64),
         found: &mut Vec<Contact>,
     ) {
         found.clear();
         let solved = self.of(pair).map(|find| self.spans.at(find.place));
-        contacts_of(solved, margin, clip, found);
+        contacts_of(solved, margin, window, found);
     }
 
     /// Returns true if the distance of two spheres of a pair is constant over one of its spans.

@@ -124,13 +124,13 @@ impl Monitor {
             margin,
             window,
             admits,
-            |other, clip, theirs, contact| {
+            |other, window, theirs, contact| {
                 let Some((other, entry)) = self.scene.in_slot(other) else {
                     return;
                 };
                 let (own_name, name) = ((id, tag), (other, entry.body.tag));
                 let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, theirs));
-                conflicts.push(conflict(contact, [a, b], (view_a, view_b), clip));
+                conflicts.push(conflict(contact, [a, b], (view_a, view_b), window));
             },
         );
         conflicts.sort_unstable_by(Conflict::order);

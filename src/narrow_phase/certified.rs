@@ -113,14 +113,14 @@ impl MarginBand {
     }
 }
 
-/// Appends the contacts within `margin` and `clip`, in time order, to `found`. Spans missing in
+/// Appends the contacts within `margin` and `window`, in time order, to `found`. Spans missing in
 /// `spans` must be free of contact, also by the bodies' model errors.
 pub(crate) fn certified_contacts(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     margin: f64,
-    clip: (f64, f64),
+    window: (f64, f64),
     workspace: &mut Workspace,
     found: &mut Vec<CertifiedContact>,
 ) {
@@ -129,12 +129,12 @@ pub(crate) fn certified_contacts(
     workspace.clear();
     for span in spans {
         if let Some(pair) = lone_pair(a, b, span) {
-            workspace.solve(&pair, span, &band, clip);
+            workspace.solve(&pair, span, &band, window);
             continue;
         }
         let clusters = ClusterPair::of(a, b, span, Accuracy::Certified);
-        clusters.each_for_contacts(band.outer, clip, |pair, part, proven| {
-            let verdicts = workspace.solve(pair, part, &band, clip);
+        clusters.each_for_contacts(band.outer, window, |pair, part, proven| {
+            let verdicts = workspace.solve(pair, part, &band, window);
             // Only what is certain keeps others from being looked at.
             let inside = verdicts.iter().filter(|one| one.side == Verdict::Inside);
             proven.extend(inside.map(|one| ProvenContact {
@@ -145,7 +145,7 @@ pub(crate) fn certified_contacts(
             }));
         });
     }
-    workspace.join((a, b), &band, clip, found);
+    workspace.join((a, b), &band, window, found);
 }
 
 impl Workspace {
@@ -160,11 +160,11 @@ impl Workspace {
         pair: &SpherePair,
         span: Span,
         band: &MarginBand,
-        clip: (f64, f64),
+        window: (f64, f64),
     ) -> &[VerdictInterval] {
         let first = self.parts.len();
         let number = self.members.len();
-        push_parts(pair, band, clip, number, &mut self.parts);
+        push_parts(pair, band, window, number, &mut self.parts);
         let parts = &self.parts[first..];
         if !parts.is_empty() {
             self.members.push(UncertainPair {
@@ -182,7 +182,7 @@ impl Workspace {
         &mut self,
         views: (&BodyView<'_>, &BodyView<'_>),
         band: &MarginBand,
-        clip: (f64, f64),
+        window: (f64, f64),
         found: &mut Vec<CertifiedContact>,
     ) {
         let Self {
@@ -225,13 +225,13 @@ impl Workspace {
                 start: parts[first].start,
                 end,
             };
-            found.extend(group.contact(views, band, clip));
+            found.extend(group.contact(views, band, window));
             first = next;
         }
     }
 }
 
-/// Returns the least separation over `spans` within `clip`, its error half-width, and its time;
+/// Returns the least separation over `spans` within `window`, its error half-width, and its time;
 /// `None` without a span.
 pub(crate) fn certified_approach(
     a: &BodyView<'_>,
@@ -263,7 +263,7 @@ pub(crate) fn certified_approach(
 fn push_parts(
     pair: &SpherePair,
     band: &MarginBand,
-    clip: (f64, f64),
+    window: (f64, f64),
     member: usize,
     parts: &mut Vec<VerdictInterval>,
 ) {
@@ -281,7 +281,7 @@ fn push_parts(
         } else {
             (outer, Verdict::Undecided)
         };
-        let (start, end) = (times.0.max(clip.0), times.1.min(clip.1));
+        let (start, end) = (times.0.max(window.0), times.1.min(window.1));
         if start <= end {
             parts.push(VerdictInterval {
                 start,
@@ -354,7 +354,7 @@ impl MergedConflict<'_> {
         &self,
         views: (&BodyView<'_>, &BodyView<'_>),
         band: &MarginBand,
-        clip: (f64, f64),
+        window: (f64, f64),
     ) -> Option<CertifiedContact> {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
@@ -369,14 +369,14 @@ impl MergedConflict<'_> {
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = pair.radius(band.outer).max(0.0);
-            profile.intervals_within(&pair.cubic, radius, (clip, NEVER), |(enter, exit), _| {
+            profile.intervals_within(&pair.cubic, radius, (window, NEVER), |(enter, exit), _| {
                 if exit >= self.start && enter <= self.end {
                     first = first.min(enter);
                     last = last.max(exit);
                 }
             });
         }
-        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error, clip));
+        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error, window));
         let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
@@ -407,7 +407,7 @@ impl MergedConflict<'_> {
         (a, b): (&BodyView<'_>, &BodyView<'_>),
         nearest: usize,
         error: f64,
-        clip: (f64, f64),
+        window: (f64, f64),
     ) -> Option<SeparationEnclosure> {
         let mut least = LeastSeparationSearch::new(error);
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
@@ -418,7 +418,7 @@ impl MergedConflict<'_> {
             if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
                 continue;
             }
-            let is_whole = self.is_all_of(share, span, clip);
+            let is_whole = self.is_all_of(share, span, window);
             let times = (share.start, share.end);
             least.add((a, b), *span, pair, is_whole, times);
         }
@@ -450,9 +450,9 @@ impl MergedConflict<'_> {
 
     /// Returns true if a member's least distance over its whole span is in its parts of this group:
     /// it is certainly inside there, and certainly apart elsewhere in the span.
-    fn is_all_of(&self, share: &MemberSummary, span: &Span, clip: (f64, f64)) -> bool {
-        clip.0 <= span.start
-            && span.end <= clip.1
+    fn is_all_of(&self, share: &MemberSummary, span: &Span, window: (f64, f64)) -> bool {
+        window.0 <= span.start
+            && span.end <= window.1
             && share.is_inside
             && share.count == self.members[share.member].count
     }

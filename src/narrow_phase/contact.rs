@@ -94,7 +94,7 @@ pub(crate) fn may_touch(
 /// and with the interval in which they are solved (s). The bodies' model errors are added to the
 /// margin.
 ///
-/// If a body turns, only the parts of the span that meet `clip` and do not begin before `after` (s) are
+/// If a body turns, only the parts of the span that meet `window` and do not begin before `after` (s) are
 /// solved: a span may last for ever. Returns the next value of `after`, infinity if all of
 /// the span is solved.
 pub(crate) fn solve(
@@ -102,7 +102,7 @@ pub(crate) fn solve(
     b: &BodyView<'_>,
     span: Span,
     margin: f64,
-    (clip, after): ((f64, f64), f64),
+    (window, after): ((f64, f64), f64),
     mut solved: impl FnMut((f64, f64), SolvedSpan),
 ) -> f64 {
     let margin = widened(margin, a.model_error_with(b));
@@ -129,10 +129,10 @@ pub(crate) fn solve(
     }
     // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
-    clusters.each_within_after(margin, (clip, after), solve)
+    clusters.each_within_after(margin, (window, after), solve)
 }
 
-/// Appends all maximal intervals of `clip` with separation of at most `margin` and the bodies' model
+/// Appends all maximal intervals of `window` with separation of at most `margin` and the bodies' model
 /// errors, in time order, to `found`.
 ///
 /// Spans missing in `spans` must be free of contact.
@@ -141,7 +141,7 @@ pub(crate) fn contacts(
     b: &BodyView<'_>,
     spans: impl Iterator<Item = Span>,
     margin: f64,
-    clip: (f64, f64),
+    window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
     let margin = widened(margin, a.model_error_with(b));
@@ -149,9 +149,9 @@ pub(crate) fn contacts(
     for span in spans {
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, (clip, NEVER), found);
+            solved_contacts(&pair, span, margin, (window, NEVER), found);
         } else {
-            contacts_of_many(a, b, span, margin, clip, found);
+            contacts_of_many(a, b, span, margin, window, found);
         }
     }
     join(found, first);
@@ -192,14 +192,14 @@ fn contacts_of_many(
     b: &BodyView<'_>,
     span: Span,
     margin: f64,
-    clip: (f64, f64),
+    window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
     let mut before = NEVER;
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
-    clusters.each_for_contacts(margin, clip, |pair, part, proven| {
+    clusters.each_for_contacts(margin, window, |pair, part, proven| {
         let count = found.len();
-        solved_contacts(pair, part, margin, (clip, before), found);
+        solved_contacts(pair, part, margin, (window, before), found);
         before = with_more(before, &found[count..]);
         proven.extend(found[count..].iter().map(|contact| ProvenContact {
             enter: contact.enter,
@@ -214,7 +214,7 @@ fn contacts_of_many(
 pub(crate) fn contacts_of<'s>(
     solved: impl Iterator<Item = &'s SolvedSpan>,
     margin: f64,
-    clip: (f64, f64),
+    window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
@@ -226,7 +226,7 @@ pub(crate) fn contacts_of<'s>(
     } in solved
     {
         let count = found.len();
-        pair.contacts(profile, *span, margin, (clip, before), found);
+        pair.contacts(profile, *span, margin, (window, before), found);
         before = with_more(before, &found[count..]);
     }
     join(found, first);
@@ -258,7 +258,7 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts.truncate(contacts.len().min(last + 1));
 }
 
-/// Returns the least separation over `spans` within `clip`, the earliest of ties, if any.
+/// Returns the least separation over `spans` within `window`, the earliest of ties, if any.
 pub(crate) fn closest_approach(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
@@ -282,14 +282,14 @@ pub(crate) fn closest_approach(
     nearest.closest
 }
 
-/// Solves the pairs of spheres over a span that may come nearer in `clip` than `least_so_far` (m);
+/// Solves the pairs of spheres over a span that may come nearer in `window` than `least_so_far` (m);
 /// `solve` gets the span, or the part of it that was solved, and returns the new value of
 /// `least_so_far`.
 pub(super) fn each_for_nearest(
     (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
     accuracy: Accuracy,
-    clip: (f64, f64),
+    window: (f64, f64),
     least_so_far: f64,
     mut solve: impl FnMut(&SpherePair, Span) -> f64,
 ) {
@@ -299,7 +299,7 @@ pub(super) fn each_for_nearest(
                 solve(&pair, span);
             }
         }
-        None => ClusterPair::of(a, b, span, accuracy).each_for_nearest(clip, least_so_far, solve),
+        None => ClusterPair::of(a, b, span, accuracy).each_for_nearest(window, least_so_far, solve),
     }
 }
 

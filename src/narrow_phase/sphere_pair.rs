@@ -122,7 +122,7 @@ impl SpherePair {
         profile: &DistanceProfile,
         span: Span,
         margin: f64,
-        (clip, (covered, separation)): ((f64, f64), FoundContact),
+        (window, (covered, separation)): ((f64, f64), FoundContact),
         found: &mut Vec<Contact>,
     ) {
         let radius = self.radius(margin);
@@ -136,7 +136,7 @@ impl SpherePair {
         profile.intervals_within(
             &self.cubic,
             radius,
-            (clip, (covered, nearest)),
+            (window, (covered, nearest)),
             |(enter, exit), closest| {
                 found.push(Contact {
                     enter,

@@ -137,7 +137,7 @@ impl BakedRotation {
                 |p, q| between(p, q, start),
                 |p, q| between(p, q, end),
             ),
-            // Three levels of five roundings, of matrices whose norms are below 2.5.
+            // Three steps of five roundings, of matrices whose norms are below 2.5.
             error: self.error + 64.0 * UNIT_ROUNDOFF,
         }
     }

@@ -109,8 +109,8 @@ fn heights<const D: usize>(coefficients: &[f64; 7]) -> [f64; 7] {
         scale *= 2.0;
         values[j] *= scale * INVERSE_BINOMIALS[D - 5][j];
     }
-    for level in (1..=D).rev() {
-        for i in level..=D {
+    for step in (1..=D).rev() {
+        for i in step..=D {
             values[i] += values[i - 1];
         }
     }
@@ -138,8 +138,8 @@ fn sign_changes<const D: usize>(heights: &[f64; 7]) -> (u32, usize, f64) {
 fn halves<const D: usize>(heights: &[f64; 7]) -> ([f64; 7], [f64; 7]) {
     let mut left = *heights;
     let mut right = *heights;
-    for (level, end) in left.iter_mut().enumerate().take(D + 1).skip(1) {
-        for i in 0..=D - level {
+    for (step, end) in left.iter_mut().enumerate().take(D + 1).skip(1) {
+        for i in 0..=D - step {
             right[i] = 0.5 * (right[i] + right[i + 1]);
         }
         *end = right[0];

@@ -1,6 +1,6 @@
 //! Yuksel's recursion: the roots of the derivative bracket the roots.
 //!
-//! All levels work on seven coefficients, those above the degree `D` unused, since the type cannot
+//! All polynomials have seven coefficients, those above the degree `D` unused, since the type cannot
 //! say that a derivative has one coefficient less. Loops over a constant range are unrolled.
 
 use super::isolation::{IsolatingInterval, isolate};
@@ -13,7 +13,7 @@ pub type RootList = ArrayVec<f64, 6>;
 const PATIENCE: u32 = 8;
 
 /// A polynomial of degree at most `D` (the rest of the seven coefficients is zero) and its slope.
-struct DerivativeLevel<const D: usize> {
+struct PolynomialOfDegree<const D: usize> {
     coefficients: [f64; 7],
     slope: [f64; 7],
 }
@@ -22,25 +22,25 @@ struct DerivativeLevel<const D: usize> {
 ///
 /// The coefficients must be at most 1e90 and not all zero.
 pub(super) fn solve<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> RootList {
-    let level = DerivativeLevel::<D>::new(coefficients);
+    let polynomial = PolynomialOfDegree::<D>::new(coefficients);
     let mut roots = RootList::new();
     if let Some(intervals) = isolate::<D>(coefficients) {
         for interval in intervals {
-            push_apart(&mut roots, level.refine(interval, tolerance));
+            push_apart(&mut roots, polynomial.refine(interval, tolerance));
         }
         return roots;
     }
-    let turning = level.turning_points(tolerance);
-    let near_zero = level.near_zero_test(tolerance);
+    let turning = polynomial.turning_points(tolerance);
+    let near_zero = polynomial.near_zero_test(tolerance);
 
     let mut left = -1.0;
-    let mut left_value = level.value(left);
+    let mut left_value = polynomial.value(left);
     let mut left_near = near_zero(left, left_value);
     // Whether the root that makes `left` nearly zero is in the list already. A piece with both
     // ends nearly zero is nearly zero throughout, so a chain of such ends is one root.
     let mut reported = false;
     for right in turning.into_iter().chain([1.0]) {
-        let right_value = level.value(right);
+        let right_value = polynomial.value(right);
         let right_near = near_zero(right, right_value);
         let crossing =
             (left_value < 0.0 && right_value > 0.0) || (left_value > 0.0 && right_value < 0.0);
@@ -48,7 +48,7 @@ pub(super) fn solve<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> 
             push_apart(
                 &mut roots,
                 if crossing {
-                    level.refine(
+                    polynomial.refine(
                         monotone_piece(left, left_value, right, right_value),
                         tolerance,
                     )
@@ -70,15 +70,19 @@ pub(super) fn solve<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> 
 ///
 /// For bracketing only: a touching zero may be missed or reported.
 fn crossings<const D: usize>(coefficients: &[f64; 7], tolerance: f64) -> RootList {
-    let level = DerivativeLevel::<D>::new(coefficients);
+    let polynomial = PolynomialOfDegree::<D>::new(coefficients);
     let mut roots = RootList::new();
     let mut left = -1.0;
-    let mut left_value = level.value(left);
-    for right in level.turning_points(tolerance).into_iter().chain([1.0]) {
-        let right_value = level.value(right);
+    let mut left_value = polynomial.value(left);
+    for right in polynomial
+        .turning_points(tolerance)
+        .into_iter()
+        .chain([1.0])
+    {
+        let right_value = polynomial.value(right);
         if (left_value < 0.0) != (right_value < 0.0) {
             let piece = monotone_piece(left, left_value, right, right_value);
-            push_apart(&mut roots, level.refine(piece, tolerance));
+            push_apart(&mut roots, polynomial.refine(piece, tolerance));
         }
         (left, left_value) = (right, right_value);
     }
@@ -144,7 +148,7 @@ fn quadratic([c0, c1, c2]: [f64; 3]) -> RootList {
     roots
 }
 
-impl<const D: usize> DerivativeLevel<D> {
+impl<const D: usize> PolynomialOfDegree<D> {
     #[inline]
     fn new(coefficients: &[f64; 7]) -> Self {
         let mut slope = [0.0; 7];

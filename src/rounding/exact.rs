@@ -81,8 +81,8 @@ impl Exact {
     /// Returns control point number `point` (0 to 3) of the part between two shares.
     pub(crate) fn blossom(points: &[Self; 4], point: usize, ends: &[RBig; 2]) -> Self {
         let mut points = points.to_vec();
-        for level in 0..3 {
-            let share = &ends[usize::from(level < point)];
+        for step in 0..3 {
+            let share = &ends[usize::from(step < point)];
             points = points
                 .windows(2)
                 .map(|two| two[0].plus(&two[1].minus(&two[0]).times(share)))

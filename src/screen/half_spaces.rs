@@ -10,7 +10,7 @@ use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
 use crate::scene::HeightRange;
 use crate::search::{Bodies, LimitExceeded};
-use crate::spans::{SpanKey, clip_of, in_order, spans};
+use crate::spans::{SpanKey, common_window, in_order, spans};
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -109,7 +109,7 @@ impl PreparedScene<'_> {
         }
         let view = bodies.view(body);
         let [(_, a), (_, b)] = in_order((body, &view), (plane.place, &plane.view));
-        let Some((from, to)) = clip_of(&a.knots, &b.knots, self.searched()) else {
+        let Some((from, to)) = common_window(&a.knots, &b.knots, self.searched()) else {
             return 0;
         };
         let mut examined = 0;

@@ -30,7 +30,7 @@ use crate::narrow_phase::{BodyView, certified_approach, may_touch};
 use crate::query::Query;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, planned};
-use crate::spans::{Spans, clip_of, spans};
+use crate::spans::{Spans, common_window, spans};
 use crate::window::Window;
 
 /// Returns the least separation of two bodies within a window, and its time, or `None` if they do
@@ -47,8 +47,8 @@ pub fn closest_approach(
     b: &Body,
     window: Window,
 ) -> Result<Option<ClosestApproach>, Error> {
-    with_spans(a, b, window, |view_a, view_b, met, clip| {
-        crate::narrow_phase::closest_approach(view_a, view_b, met, clip)
+    with_spans(a, b, window, |view_a, view_b, met, window| {
+        crate::narrow_phase::closest_approach(view_a, view_b, met, window)
             .map(|approach| describe(&approach, view_a, view_b))
     })
 }
@@ -63,8 +63,8 @@ pub fn certified_closest_approach(
     b: &Body,
     window: Window,
 ) -> Result<Option<CertifiedApproach>, Error> {
-    with_spans(a, b, window, |view_a, view_b, met, clip| {
-        let (approach, error, time) = certified_approach(view_a, view_b, met, clip)?;
+    with_spans(a, b, window, |view_a, view_b, met, window| {
+        let (approach, error, time) = certified_approach(view_a, view_b, met, window)?;
         Some(CertifiedApproach {
             approach: describe(&approach, view_a, view_b),
             error,
@@ -110,7 +110,7 @@ pub(super) fn push_conflicts(
 ) {
     let (a, b) = question.views;
     // All instants that may be reported in it.
-    let searched = exact_interval(question.clip);
+    let searched = exact_interval(question.window);
     let met = spans(&a.knots, &b.knots, searched.0, searched.1);
     let near = met.filter(|&span| may_touch(a, b, span, question.margin, searched));
     question.push_conflicts(near, scratch, found);
@@ -128,9 +128,9 @@ fn with_spans<T>(
     if view_a.is_half_space() && view_b.is_half_space() {
         return Ok(None);
     }
-    let Some(clip) = clip_of(&view_a.knots, &view_b.knots, window.ends()) else {
+    let Some(window) = common_window(&view_a.knots, &view_b.knots, window.ends()) else {
         return Ok(None);
     };
-    let met = spans(&view_a.knots, &view_b.knots, clip.0, clip.1);
-    Ok(answer(&view_a, &view_b, met, clip))
+    let met = spans(&view_a.knots, &view_b.knots, window.0, window.1);
+    Ok(answer(&view_a, &view_b, met, window))
 }

@@ -11,7 +11,7 @@ use crate::narrow_phase::{
 };
 use crate::parallel;
 use crate::search::Bodies;
-use crate::spans::{Span, SpanKey, clip_of};
+use crate::spans::{Span, SpanKey, common_window};
 use crate::window::Window;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,7 +29,7 @@ pub(super) struct PairQuestion<'p> {
     names: [(BodyId, u64); 2],
     pub(super) views: (&'p BodyView<'p>, &'p BodyView<'p>),
     /// Interval of the answer, s: the part of the window in which both bodies exist.
-    pub(super) clip: (f64, f64),
+    pub(super) window: (f64, f64),
     pub(super) margin: f64,
     accuracy: Accuracy,
 }
@@ -46,7 +46,7 @@ impl<'p> PairQuestion<'p> {
         Some(Self {
             names,
             views,
-            clip: clip_of(&views.0.knots, &views.1.knots, window.ends())?,
+            window: common_window(&views.0.knots, &views.1.knots, window.ends())?,
             margin,
             accuracy,
         })
@@ -59,20 +59,20 @@ impl<'p> PairQuestion<'p> {
         scratch: &mut SolveScratch,
         conflicts: &mut Vec<Conflict>,
     ) {
-        let Self { margin, clip, .. } = *self;
+        let Self { margin, window, .. } = *self;
         let (a, b) = self.views;
-        let reported = |contact: &Contact| conflict(contact, self.names, self.views, clip);
+        let reported = |contact: &Contact| conflict(contact, self.names, self.views, window);
         match self.accuracy {
             Accuracy::Exact => {
                 let found = &mut scratch.contacts;
                 found.clear();
-                contacts(a, b, spans, margin, clip, found);
+                contacts(a, b, spans, margin, window, found);
                 conflicts.extend(found.iter().map(reported));
             }
             Accuracy::Certified => {
                 let (found, workspace) = (&mut scratch.certified, &mut scratch.workspace);
                 found.clear();
-                certified_contacts(a, b, spans, margin, clip, workspace, found);
+                certified_contacts(a, b, spans, margin, window, workspace, found);
                 conflicts.extend(found.iter().map(|certified| Conflict {
                     certificate: Some(certified.certificate),
                     ..reported(&certified.contact)
@@ -218,7 +218,7 @@ pub(crate) fn conflict(
     contact: &Contact,
     [(a, tag_a), (b, tag_b)]: [(BodyId, u64); 2],
     (view_a, view_b): (&BodyView<'_>, &BodyView<'_>),
-    clip: (f64, f64),
+    window: (f64, f64),
 ) -> Conflict {
     Conflict {
         a,
@@ -229,8 +229,8 @@ pub(crate) fn conflict(
         exit: contact.exit,
         closest: describe(&contact.closest, view_a, view_b),
         clip: Clip {
-            at_enter: contact.enter <= clip.0,
-            at_exit: contact.exit >= clip.1,
+            at_enter: contact.enter <= window.0,
+            at_exit: contact.exit >= window.1,
         },
         certificate: None,
     }

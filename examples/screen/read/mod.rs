@@ -144,6 +144,9 @@ impl Table {
             b',' if found > expected => {
                 "; write decimal points, and names with commas in quotation marks"
             }
+            _ if last.iter().any(|byte| b",;\t".contains(byte)) => {
+                "; separate its values as those of the header"
+            }
             _ => "",
         };
         let last = quoted(last);

@@ -61,16 +61,16 @@ fn the_lower_bound_is_below_the_quadratic() {
     }
 }
 
-/// Beyond the reach of a level the quadratic is above it, for levels from next to the base on.
+/// Beyond the reach of a threshold the quadratic is above it, for thresholds from next to the base on.
 #[test]
-fn the_quadratic_is_above_a_level_beyond_its_reach() {
+fn the_quadratic_is_above_a_threshold_beyond_its_reach() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut inside = 0;
     for round in 0..80_000 {
         let minorant = any(&mut rng);
         let above = [0.0, 1e-15, 1e-3, 1.0][round % 4] * size_of(&mut rng);
-        let level = minorant.base + above;
-        let reach = minorant.parameter_bound(level);
+        let threshold = minorant.base + above;
+        let reach = minorant.parameter_bound(threshold);
         if reach >= 1.0 {
             continue;
         }
@@ -83,7 +83,7 @@ fn the_quadratic_is_above_a_level_beyond_its_reach() {
             RBig::ONE,
         ] {
             let value = least_base(&minorant) + at(&minorant, &x);
-            assert!(value >= number(level), "{minorant:?} {level}");
+            assert!(value >= number(threshold), "{minorant:?} {threshold}");
         }
     }
     assert!(inside > 10_000, "{inside}");

@@ -8,7 +8,7 @@ use crate::bounds::CubicSource;
 use crate::narrow_phase::{BodyView, Contact, contacts, may_touch};
 use crate::rounding::exact_interval;
 use crate::scene::Scene;
-use crate::spans::{clip_of, common_part, in_order, spans};
+use crate::spans::{common_part, common_window, in_order, spans};
 
 impl LookaheadSearch {
     /// Calls `visit` with each contact of a plan that no body follows with another body, within
@@ -46,10 +46,10 @@ impl LookaheadSearch {
                 continue;
             };
             let [(_, a), (_, b)] = in_order((slot, own), (other, &view));
-            let Some(clip) = clip_of(&a.knots, &b.knots, (from, to)) else {
+            let Some(window) = common_window(&a.knots, &b.knots, (from, to)) else {
                 continue;
             };
-            let searched = exact_interval(clip);
+            let searched = exact_interval(window);
             near.clear();
             for time in times {
                 if let Some(part) = common_part((time.from, time.to), searched) {
@@ -62,9 +62,9 @@ impl LookaheadSearch {
             near.sort_unstable_by_key(|span| (span.a, span.b));
             near.dedup();
             found.clear();
-            contacts(a, b, near.iter().copied(), margin, clip, &mut found);
+            contacts(a, b, near.iter().copied(), margin, window, &mut found);
             for contact in &found {
-                visit(other, clip, &view, contact);
+                visit(other, window, &view, contact);
             }
         }
     }

@@ -124,12 +124,12 @@ fn split(heights: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
 #[inline(always)]
 fn divide(heights: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
     let (mut first, mut second) = (*heights, *heights);
-    let mut level = *heights;
+    let mut row = *heights;
     for degree in (0..7).rev() {
-        first[6 - degree] = level[0];
-        second[degree] = level[degree];
+        first[6 - degree] = row[0];
+        second[degree] = row[degree];
         for place in 0..degree {
-            level[place] = mean(level[place], level[place + 1]);
+            row[place] = mean(row[place], row[place + 1]);
         }
     }
     [first, second]

@@ -64,23 +64,23 @@ impl<'a> TurningOverPlane<'a> {
         });
     }
 
-    /// Solves the spheres that may come nearer in `clip` than `reached` (m); `solve` gets the part of the
+    /// Solves the spheres that may come nearer in `window` than `reached` (m); `solve` gets the part of the
     /// span as well, and returns the new value of `reached`.
     pub(super) fn each_for_nearest(
         &self,
-        clip: (f64, f64),
+        window: (f64, f64),
         mut reached: f64,
         mut solve: impl FnMut(&SpherePair, Span) -> f64,
     ) {
         let span = self.pair.span;
-        let clip = (clip.0.max(span.start), clip.1.min(span.end));
+        let window = (window.0.max(span.start), window.1.min(span.end));
         let whole = self.bounding();
         let height = |cell: &Cell| {
-            let middle = whole.cubic.parameter(cell.middle(clip)?);
+            let middle = whole.cubic.parameter(cell.middle(window)?);
             Some(whole.cubic.at(middle).0.x)
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        nearest_first(self.cells(clip), height, |cell| {
+        nearest_first(self.cells(window), height, |cell| {
             let mut least = reached;
             self.each_lowest(cell, reached, (&mut rotations, &mut ways), |pair| {
                 least = least.min(solve(pair, cell.span));

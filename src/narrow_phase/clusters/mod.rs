@@ -81,31 +81,31 @@ impl<'a> ClusterPair<'a> {
     }
 
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
-    /// `clip` and does not begin before `after` (s). Returns the end of the last such part, the next
+    /// `window` and does not begin before `after` (s). Returns the end of the last such part, the next
     /// value of `after`; infinity if it ends with the span.
     pub(super) fn each_within_after(
         &self,
         margin: f64,
-        (clip, after): ((f64, f64), f64),
+        (window, after): ((f64, f64), f64),
         mut solve: impl FnMut(&SpherePair, Span) -> Option<DistanceProfile>,
     ) -> f64 {
-        if clip.1 < self.span.start {
+        if window.1 < self.span.start {
             // A span may last for ever: its parts are not gone through before the interval comes there.
             return self.span.start;
         }
-        let last = self.cells((clip.1, clip.1)).last();
+        let last = self.cells((window.1, window.1)).last();
         let reached = last.map_or(self.span.end, |cell| cell.span.end);
-        // The last part may have bounding spheres that come near after `clip` alone: it is solved as a whole.
-        let parts = (clip.0, reached.max(clip.1));
+        // The last part may have bounding spheres that come near after `window` alone: it is solved as a whole.
+        let parts = (window.0, reached.max(window.1));
         if let Some(over_plane) = self.over_plane() {
             over_plane.each_near(margin, parts, after, |pair, part| {
-                if part.start <= clip.1 {
+                if part.start <= window.1 {
                     solve(pair, part);
                 }
             });
         } else {
             self.each_part_near(margin, (parts, after), |part, span, scratch| {
-                if span.start <= clip.1 {
+                if span.start <= window.1 {
                     let solve = |pair: &SpherePair| solve(pair, span);
                     let mut question = NearestQuestion::new(margin, solve);
                     part.search(&mut question, scratch);
@@ -119,18 +119,18 @@ impl<'a> ClusterPair<'a> {
         }
     }
 
-    /// Solves the pairs of spheres that may come nearer in `clip` than `reached` (m); `solve` gets
+    /// Solves the pairs of spheres that may come nearer in `window` than `reached` (m); `solve` gets
     /// the part of the span as well, and returns the new value of `reached`.
     pub(super) fn each_for_nearest(
         &self,
-        clip: (f64, f64),
+        window: (f64, f64),
         mut reached: f64,
         mut solve: impl FnMut(&SpherePair, Span) -> f64,
     ) {
         if let Some(over_plane) = self.over_plane() {
-            return over_plane.each_for_nearest(clip, reached, solve);
+            return over_plane.each_for_nearest(window, reached, solve);
         }
-        let clip = (clip.0.max(self.span.start), clip.1.min(self.span.end));
+        let window = (window.0.max(self.span.start), window.1.min(self.span.end));
         if reached < f64::INFINITY
             && self.is_beyond(&self.motion(self.span), reached, self.scale(self.span))
         {
@@ -138,16 +138,16 @@ impl<'a> ClusterPair<'a> {
         }
         let cubic = self.cubic();
         let distance = |cell: &Cell| {
-            let middle = cubic.parameter(cell.middle(clip)?);
+            let middle = cubic.parameter(cell.middle(window)?);
             Some(cubic.at(middle).0.length_squared())
         };
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        nearest_first(self.cells(clip), distance, |cell| {
+        nearest_first(self.cells(window), distance, |cell| {
             let Some(part) = self.part(cell, reached, &mut rotations) else {
                 return;
             };
             let solve = |pair: &SpherePair| solve(pair, cell.span);
-            let is_whole = clip.0 <= cell.span.start && cell.span.end <= clip.1;
+            let is_whole = window.0 <= cell.span.start && cell.span.end <= window.1;
             let mut question = ClosestQuestion {
                 reached,
                 is_whole,
@@ -159,30 +159,36 @@ impl<'a> ClusterPair<'a> {
         });
     }
 
-    /// Solves the pairs of spheres that may begin or end a contact within `margin` in `clip`, or be the nearest ones in it.
+    /// Solves the pairs of spheres that may begin or end a contact within `margin` in `window`, or be the nearest ones in it.
     /// `solve` gets the part of the span as well, and appends the pair's contacts to an empty list.
     pub(super) fn each_for_contacts(
         &self,
         margin: f64,
-        clip: (f64, f64),
+        window: (f64, f64),
         mut solve: impl FnMut(&SpherePair, Span, &mut Vec<ProvenContact>),
     ) {
         let mut contacts = Vec::new();
         if let Some(over_plane) = self.over_plane() {
-            return over_plane.each_near(margin, clip, f64::NEG_INFINITY, |pair, part| {
+            return over_plane.each_near(margin, window, f64::NEG_INFINITY, |pair, part| {
                 contacts.clear();
                 solve(pair, part, &mut contacts);
             });
         }
-        self.each_part_near(margin, (clip, f64::NEG_INFINITY), |part, span, scratch| {
-            let proven = ProvenContacts::new(span, (margin, clip));
-            let mut question = ContactsQuestion {
-                proven,
-                found: &mut contacts,
-                solve: |pair: &SpherePair, found: &mut Vec<ProvenContact>| solve(pair, span, found),
-            };
-            part.search(&mut question, scratch);
-        });
+        self.each_part_near(
+            margin,
+            (window, f64::NEG_INFINITY),
+            |part, span, scratch| {
+                let proven = ProvenContacts::new(span, (margin, window));
+                let mut question = ContactsQuestion {
+                    proven,
+                    found: &mut contacts,
+                    solve: |pair: &SpherePair, found: &mut Vec<ProvenContact>| {
+                        solve(pair, span, found)
+                    },
+                };
+                part.search(&mut question, scratch);
+            },
+        );
     }
 
     /// Calls `visit` with the spheres over each part of the span that meets an interval (s), does not begin before `after`

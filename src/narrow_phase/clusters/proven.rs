@@ -45,7 +45,7 @@ pub(super) struct ProvenContacts {
     contacts: ArrayVec<ProvenContact, { Self::MAX }>,
     part: Span,
     margin: f64,
-    clip: (f64, f64),
+    window: (f64, f64),
 }
 
 impl ProvenContacts {
@@ -54,12 +54,12 @@ impl ProvenContacts {
     /// Share of the part that is more than the rounding of shares.
     const SHARE: f64 = 1e-12;
 
-    pub(super) fn new(part: Span, (margin, clip): (f64, (f64, f64))) -> Self {
+    pub(super) fn new(part: Span, (margin, window): (f64, (f64, f64))) -> Self {
         Self {
             contacts: ArrayVec::new(),
             part,
             margin,
-            clip,
+            window,
         }
     }
 
@@ -102,7 +102,7 @@ impl ProvenContacts {
                 pieces.push(BoundedPiece { end, bound });
             }
         };
-        let (from, to) = (self.clip.0.max(first), self.clip.1.min(last));
+        let (from, to) = (self.window.0.max(first), self.window.1.min(last));
         if from > first {
             push(before(from), f64::NEG_INFINITY);
         }

@@ -173,16 +173,16 @@ fn omitted_pairs_change_nothing() {
         let all: Vec<Span> = spans(&a.knots, &b.knots, begin, begin + 1.0).collect();
         let whole = (f64::MIN, f64::MAX);
         let cut = [0.0..0.5, 0.5..1.0].map(|range| begin + rng.random_range(range));
-        let clip = [whole, (cut[0], cut[1])][kind % 2];
+        let window = [whole, (cut[0], cut[1])][kind % 2];
 
         let mut nearest = ClosestSearch::new();
         each(&views, &all, Accuracy::Exact, |pair, span| {
-            if span.start <= clip.1 && clip.0 <= span.end {
-                nearest.push(pair, span, clip);
+            if span.start <= window.1 && window.0 <= span.end {
+                nearest.push(pair, span, window);
             }
         });
         nearest.end_span();
-        let found = closest_approach(a, b, all.iter().copied(), clip);
+        let found = closest_approach(a, b, all.iter().copied(), window);
         assert_eq!(found, nearest.closest, "{kind}");
 
         let least = found.unwrap().separation;
@@ -197,7 +197,7 @@ fn omitted_pairs_change_nothing() {
         let margin = least + more[kind % 5 % 3];
         let band = MarginBand::new(margin, a.model_error_with(b));
         let (mut found, mut expected) = (Vec::new(), Vec::new());
-        contacts(a, b, all.iter().copied(), margin, clip, &mut found);
+        contacts(a, b, all.iter().copied(), margin, window, &mut found);
         // Windows that begin or end with a contact, or where a rotation's cubic does.
         let ends = found.iter().flat_map(|one| [one.enter, one.exit]);
         let cut = a
@@ -206,27 +206,27 @@ fn omitted_pairs_change_nothing() {
         let instants: Vec<f64> = ends.take(4).chain(cut).collect();
         let beside = instants
             .iter()
-            .flat_map(|&at| [(clip.0, at), (at, at), (at, clip.1)]);
-        for clip in beside.chain([clip]) {
+            .flat_map(|&at| [(window.0, at), (at, at), (at, window.1)]);
+        for window in beside.chain([window]) {
             found.clear();
             expected.clear();
-            contacts(a, b, all.iter().copied(), margin, clip, &mut found);
+            contacts(a, b, all.iter().copied(), margin, window, &mut found);
             each(&views, &all, Accuracy::Exact, |pair, span| {
                 let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(&profile, span, band.outer, (clip, NEVER), &mut expected);
+                pair.contacts(&profile, span, band.outer, (window, NEVER), &mut expected);
             });
             join(&mut expected, 0);
-            assert_eq!(found, expected, "{kind} {clip:?}");
+            assert_eq!(found, expected, "{kind} {window:?}");
         }
         touching += found.len();
 
         // As a monitor solves it, in two steps. The first one may end shortly before a contact, in the part of
         // the span that has it.
-        let middle = 0.5 * (clip.0 + clip.1);
+        let middle = 0.5 * (window.0 + window.1);
         let enters = expected.iter().map(|one| one.enter);
         let steps = enters
             .take(4)
-            .flat_map(|enter| [enter.next_down(), enter - 1e-3 * (clip.1 - clip.0)]);
+            .flat_map(|enter| [enter.next_down(), enter - 1e-3 * (window.1 - window.0)]);
         let mut kept = Vec::new();
         for (step, margin) in [(middle, margin + size)]
             .into_iter()
@@ -241,18 +241,18 @@ fn omitted_pairs_change_nothing() {
                 solve(a, b, span, margin, rest, |_, solved| kept.push(solved));
             }
             found.clear();
-            contacts_of(kept.iter(), band.outer, clip, &mut found);
+            contacts_of(kept.iter(), band.outer, window, &mut found);
             assert_eq!(found, expected, "{kind}, {step}");
         }
 
         let (mut proven, mut expected) = (Vec::new(), Vec::new());
         let over = all.iter().copied();
-        certified_contacts(a, b, over, margin, clip, &mut workspace, &mut proven);
+        certified_contacts(a, b, over, margin, window, &mut workspace, &mut proven);
         workspace.clear();
         each(&views, &all, Accuracy::Certified, |pair, span| {
-            workspace.solve(pair, span, &band, clip);
+            workspace.solve(pair, span, &band, window);
         });
-        workspace.join((a, b), &band, clip, &mut expected);
+        workspace.join((a, b), &band, window, &mut expected);
         assert_eq!(ends_of(&proven), ends_of(&expected), "{kind}");
         certain += proven.iter().filter(|one| one.certificate.resolved).count();
     }
@@ -305,20 +305,20 @@ fn errors_of_the_cubics_are_not_dropped() {
         };
         let [a, b] = &views;
         let all: Vec<Span> = spans(&a.knots, &b.knots, 0.0, 1.0).collect();
-        let clip = (0.1, 0.9);
+        let window = (0.1, 0.9);
         let band = MarginBand::new(margin, 0.0);
         let (mut proven, mut expected) = (Vec::new(), Vec::new());
         let over = || all.iter().copied();
-        certified_contacts(a, b, over(), margin, clip, &mut workspace, &mut proven);
+        certified_contacts(a, b, over(), margin, window, &mut workspace, &mut proven);
         workspace.clear();
         each(&views, &all, Accuracy::Certified, |pair, span| {
-            workspace.solve(pair, span, &band, clip);
+            workspace.solve(pair, span, &band, window);
         });
-        workspace.join((a, b), &band, clip, &mut expected);
+        workspace.join((a, b), &band, window, &mut expected);
         assert_eq!(ends_of(&proven), ends_of(&expected), "{round}");
         assert_eq!(proven.len(), 1, "{round}");
         assert_eq!(proven[0].certificate.resolved, more > 0.0, "{round}");
-        let (found, error, _) = certified_approach(a, b, over(), clip).unwrap();
+        let (found, error, _) = certified_approach(a, b, over(), window).unwrap();
         // What may be nearer by its error is part of the enclosure.
         assert!(
             found.separation - error < near - 0.3e-6 * size,

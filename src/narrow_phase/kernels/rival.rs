@@ -226,15 +226,15 @@ fn split(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
     let t = 1.0 - s;
     let mut left = k;
     let mut right = k;
-    let mut level = 1;
-    while level < 6 {
+    let mut step = 1;
+    while step < 6 {
         let mut i = 0;
-        while i < 6 - level {
+        while i < 6 - step {
             right[i] = t * right[i] + s * right[i + 1];
             i += 1;
         }
-        left[level] = right[0];
-        level += 1;
+        left[step] = right[0];
+        step += 1;
     }
     (left, right)
 }

@@ -110,17 +110,17 @@ fn least_inside<R: Real>(k: [R; 7]) -> R {
 fn halves<R: Real>(k: [R; 7]) -> ([R; 7], [R; 7]) {
     let mut left = k;
     let mut right = k;
-    let mut level = 1;
+    let mut step = 1;
     let mut share = 1.0;
-    while level < 7 {
+    while step < 7 {
         let mut i = 0;
-        while i < 7 - level {
+        while i < 7 - step {
             right[i] = right[i] + right[i + 1];
             i += 1;
         }
         share *= 0.5;
-        left[level] = R::from_f64(share) * right[0];
-        level += 1;
+        left[step] = R::from_f64(share) * right[0];
+        step += 1;
     }
     let mut i = 0;
     while i < 6 {

@@ -172,7 +172,7 @@ fn check_knot_vector(knots: &[f64], control_points: &[DVec3]) -> Result<(), Erro
 
 /// Returns the cubic of four control points between the third and the fourth of six knots.
 ///
-/// Each of three levels loses less than 2^-100 of the largest coordinate on an axis.
+/// Each of three steps loses less than 2^-100 of the largest coordinate on an axis.
 fn piece(points: &[DVec3], knots: &[f64]) -> BezierPoints {
     let [u, w] = [knots[2], knots[3]];
     let instants = [[u, u, u], [u, u, w], [u, w, w], [w, w, w]];
@@ -187,9 +187,9 @@ fn piece(points: &[DVec3], knots: &[f64]) -> BezierPoints {
 
 /// Returns the blossom, at three instants, of the cubic between the third and the fourth of six knots.
 fn blossom(mut points: [DoubleDouble; 4], knots: &[f64], instants: [f64; 3]) -> DoubleDouble {
-    for (level, instant) in (1..).zip(instants) {
-        for place in (level..4).rev() {
-            let (low, high) = (knots[place - 1], knots[place + 3 - level]);
+    for (step, instant) in (1..).zip(instants) {
+        for place in (step..4).rev() {
+            let (low, high) = (knots[place - 1], knots[place + 3 - step]);
             let lasting = DoubleDouble::difference(high, low);
             let share = |from: f64, to: f64| DoubleDouble::difference(to, from).quotient(lasting);
             points[place] =

@@ -65,7 +65,7 @@ impl Segment {
         };
         Restriction {
             points: restrict(&self.control_points(), mix(from), mix(to)),
-            // Three levels of lerps with relative weight errors: γ5 each (γn: n roundings).
+            // Three steps of lerps with relative weight errors: γ5 each (γn: n roundings).
             error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
         }
     }

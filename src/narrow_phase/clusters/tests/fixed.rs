@@ -29,7 +29,7 @@ struct Case {
     hitboxes: [Hitbox; 2],
     margin: f64,
     model_errors: [f64; 2],
-    clip: (f64, f64),
+    window: (f64, f64),
     /// Common domain of both bodies, s.
     start: f64,
     end: f64,
@@ -123,7 +123,7 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     // Some from far before their knots on.
     let begin = [start, start, start, start - 700.0][kind / 3 % 4];
     let plans = plans.map(|plan| pieces(plan, (begin, start + 1.0)));
-    let clip = match kind % 7 {
+    let window = match kind % 7 {
         0 => (
             start + rng.random_range(0.0..0.5),
             start + rng.random_range(0.5..1.0),
@@ -137,14 +137,14 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         hitboxes,
         margin,
         model_errors: [[0.0, 0.0], [0.0, 0.1 * size], [0.4 * size, size]][kind % 3],
-        clip,
+        window,
         start: begin,
         end: start + 1.0,
     };
     if kind.is_multiple_of(4) {
         // A touch, as far as rounding can tell.
         let [a, b] = &case.views();
-        let nearest = closest_approach(a, b, case.spans().into_iter(), clip);
+        let nearest = closest_approach(a, b, case.spans().into_iter(), window);
         case.margin = nearest.map_or(margin, |nearest| nearest.separation);
     }
     case
@@ -178,8 +178,8 @@ impl Case {
             [(exit, end), (self.start, enter), (time, end), (time, time)]
         };
         let windows = contacts.iter().take(3).flat_map(of_contact);
-        let windows = windows.chain([self.clip]);
-        windows.filter(|clip| clip.0 <= clip.1).collect()
+        let windows = windows.chain([self.window]);
+        windows.filter(|window| window.0 <= window.1).collect()
     }
 
     fn each(&self, visit: impl FnMut(&SpherePair, Span)) {
@@ -197,17 +197,17 @@ fn contacts_are_those_of_all_pairs() {
         let [a, b] = &case.views();
         found.clear();
         let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.clip, &mut found);
+        contacts(a, b, spans, case.margin, case.window, &mut found);
         one += usize::from(found.len() == 1);
         several += usize::from(found.len() > 1);
-        for clip in case.windows_at(&found) {
+        for window in case.windows_at(&found) {
             found.clear();
             contacts(
                 a,
                 b,
                 case.spans().into_iter(),
                 case.margin,
-                clip,
+                window,
                 &mut found,
             );
             expected.clear();
@@ -217,12 +217,12 @@ fn contacts_are_those_of_all_pairs() {
                     &profile,
                     span,
                     case.band().outer,
-                    (clip, NEVER),
+                    (window, NEVER),
                     &mut expected,
                 );
             });
             join(&mut expected, 0);
-            assert_eq!(found, expected, "{kind} {clip:?}");
+            assert_eq!(found, expected, "{kind} {window:?}");
         }
     }
     assert!(one > 1_000 && several > 100, "{one} {several}");
@@ -255,23 +255,23 @@ fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
         );
         let begin = case.start + f64::max(rng.random_range(-0.5..1.0), 0.0);
         let any = (begin, begin + rng.random_range(0.0..1.0));
-        for clip in case.windows_at(&found).into_iter().chain([any]) {
+        for window in case.windows_at(&found).into_iter().chain([any]) {
             let less = case.margin.abs() * rng.random_range(0.0..1.0);
             for margin in [case.band().outer, case.margin - less] {
                 found.clear();
-                contacts_of(kept.iter(), margin, clip, &mut found);
+                contacts_of(kept.iter(), margin, window, &mut found);
                 expected.clear();
                 case.each(|pair, span| {
                     pair.contacts(
                         &DistanceProfile::of(&pair.cubic),
                         span,
                         margin,
-                        (clip, NEVER),
+                        (window, NEVER),
                         &mut expected,
                     );
                 });
                 join(&mut expected, 0);
-                assert_eq!(found, expected, "{kind} {margin} {clip:?}");
+                assert_eq!(found, expected, "{kind} {margin} {window:?}");
                 several += found.len();
             }
         }
@@ -293,18 +293,18 @@ fn proofs_are_those_of_all_pairs() {
         let [a, b] = &case.views();
         let mut plain = Vec::new();
         let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.clip, &mut plain);
-        for clip in case.windows_at(&plain) {
+        contacts(a, b, spans, case.margin, case.window, &mut plain);
+        for window in case.windows_at(&plain) {
             found.clear();
             let spans = case.spans().into_iter();
-            certified_contacts(a, b, spans, case.margin, clip, &mut workspace, &mut found);
+            certified_contacts(a, b, spans, case.margin, window, &mut workspace, &mut found);
             expected.clear();
             all.clear();
             case.each(|pair, span| {
-                all.solve(pair, span, &case.band(), clip);
+                all.solve(pair, span, &case.band(), window);
             });
-            all.join((a, b), &case.band(), clip, &mut expected);
-            assert_eq!(found, expected, "{kind} {clip:?}");
+            all.join((a, b), &case.band(), window, &mut expected);
+            assert_eq!(found, expected, "{kind} {window:?}");
             resolved += found.iter().filter(|one| one.certificate.resolved).count();
             unresolved += found.iter().filter(|one| !one.certificate.resolved).count();
         }
@@ -320,11 +320,11 @@ fn the_nearest_is_that_of_all_pairs() {
         let [a, b] = &case.views();
         let mut touching = Vec::new();
         let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.clip, &mut touching);
-        for clip in case.windows_at(&touching) {
-            let of_window = |span: &Span| span.end >= clip.0 && span.start <= clip.1;
+        contacts(a, b, spans, case.margin, case.window, &mut touching);
+        for window in case.windows_at(&touching) {
+            let of_window = |span: &Span| span.end >= window.0 && span.start <= window.1;
             let spans = || case.spans().into_iter().filter(of_window);
-            let found = closest_approach(a, b, spans(), clip);
+            let found = closest_approach(a, b, spans(), window);
             let mut nearest = ClosestSearch::new();
             let mut before = None;
             case.each(|pair, span| {
@@ -332,14 +332,14 @@ fn the_nearest_is_that_of_all_pairs() {
                     if before.replace(span).is_some_and(|before| before != span) {
                         nearest.end_span();
                     }
-                    nearest.push(pair, span, clip);
+                    nearest.push(pair, span, window);
                 }
             });
             nearest.end_span();
-            assert_eq!(found, nearest.closest, "{kind} {clip:?}");
+            assert_eq!(found, nearest.closest, "{kind} {window:?}");
             // Where a window cuts, the plain solver is off by what the rounding of time amounts to.
-            if kind % 5 == 3 && clip == (f64::MIN, f64::MAX) {
-                let certified = certified_approach(a, b, spans(), clip);
+            if kind % 5 == 3 && window == (f64::MIN, f64::MAX) {
+                let certified = certified_approach(a, b, spans(), window);
                 let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
                 let nearest = nearest.least_so_far;
                 let off = (approach.separation - nearest).abs();
@@ -381,7 +381,7 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
         hitboxes,
         margin: aside - 2.0 * radius + more,
         model_errors: [0.0; 2],
-        clip: (f64::MIN, f64::MAX),
+        window: (f64::MIN, f64::MAX),
         start: START,
         end: START + 1.0,
     }
@@ -404,7 +404,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 &profile,
                 span,
                 case.band().outer,
-                (case.clip, NEVER),
+                (case.window, NEVER),
                 &mut found,
             );
             instants.extend(
@@ -428,53 +428,53 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 [time.next_down(), time, time.next_up()][rng.random_range(0..3)]
             };
             let (one, other) = (any(&mut rng), any(&mut rng));
-            let clips = [
+            let windows = [
                 (one, whole.1),
                 (whole.0, one),
                 (one.min(other), one.max(other)),
                 (one, one),
             ];
-            let clip = clips[rng.random_range(0..4)];
+            let window = windows[rng.random_range(0..4)];
             let (mut found, mut expected) = (Vec::new(), Vec::new());
-            contacts(a, b, spans(), case.margin, clip, &mut found);
+            contacts(a, b, spans(), case.margin, window, &mut found);
             case.each(|pair, span| {
                 pair.contacts(
                     &DistanceProfile::of(&pair.cubic),
                     span,
                     case.band().outer,
-                    (clip, NEVER),
+                    (window, NEVER),
                     &mut expected,
                 );
             });
             join(&mut expected, 0);
-            assert_eq!(found, expected, "{round} {clip:?}");
+            assert_eq!(found, expected, "{round} {window:?}");
             found.clear();
-            contacts_of(kept.iter(), case.band().outer, clip, &mut found);
-            assert_eq!(found, expected, "{round} {clip:?}");
+            contacts_of(kept.iter(), case.band().outer, window, &mut found);
+            assert_eq!(found, expected, "{round} {window:?}");
             several += usize::from(!found.is_empty());
-            let nearest = closest_approach(a, b, spans(), clip);
+            let nearest = closest_approach(a, b, spans(), window);
             let mut all_of_them = ClosestSearch::new();
             case.each(|pair, span| {
-                all_of_them.push(pair, span, clip);
+                all_of_them.push(pair, span, window);
             });
             all_of_them.end_span();
-            assert_eq!(nearest, all_of_them.closest, "{round} {clip:?}");
+            assert_eq!(nearest, all_of_them.closest, "{round} {window:?}");
             let (mut proven, mut expected) = (Vec::new(), Vec::new());
             certified_contacts(
                 a,
                 b,
                 spans(),
                 case.margin,
-                clip,
+                window,
                 &mut workspace,
                 &mut proven,
             );
             all.clear();
             case.each(|pair, span| {
-                all.solve(pair, span, &case.band(), clip);
+                all.solve(pair, span, &case.band(), window);
             });
-            all.join((a, b), &case.band(), clip, &mut expected);
-            assert_eq!(proven, expected, "{round} {clip:?}");
+            all.join((a, b), &case.band(), window, &mut expected);
+            assert_eq!(proven, expected, "{round} {window:?}");
         }
     }
     assert!(several > 500, "{several}");

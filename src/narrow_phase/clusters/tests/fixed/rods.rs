@@ -32,13 +32,13 @@ fn rods_and_next_to_no_motion() {
             hitboxes: hitboxes.map(hitbox),
             margin: 0.0,
             model_errors: [0.0; 2],
-            clip: (0.0, 1.0),
+            window: (0.0, 1.0),
             start: 0.0,
             end: 1.0,
         };
         let [a, b] = &case.views();
         let mut found = Vec::new();
-        contacts(a, b, case.spans().into_iter(), 0.0, case.clip, &mut found);
+        contacts(a, b, case.spans().into_iter(), 0.0, case.window, &mut found);
         assert_eq!(found.len(), contacts_of_all);
     }
 }
@@ -71,7 +71,7 @@ fn nearest_between_the_ends_of_a_way() {
         hitboxes,
         margin: 8.26,
         model_errors: [0.0; 2],
-        clip: (0.0, 1.0),
+        window: (0.0, 1.0),
         start: 0.0,
         end: 1.0,
     };
@@ -84,7 +84,7 @@ fn nearest_between_the_ends_of_a_way() {
                 kept.push(solved)
             });
         }
-        contacts_of(kept.iter(), case.margin, case.clip, &mut found);
+        contacts_of(kept.iter(), case.margin, case.window, &mut found);
         let times: Vec<(f64, f64)> = found.iter().map(|one| (one.enter, one.exit)).collect();
         assert_eq!(times, [(0.0, 1.0)]);
     }
@@ -116,12 +116,12 @@ fn what_model_errors_leave_open_is_listed() {
         ],
         margin: 0.0,
         model_errors: [0.25; 2],
-        clip: (0.0, 1.0),
+        window: (0.0, 1.0),
         start: 0.0,
         end: 1.0,
     };
     let [a, b] = &case.views();
-    let found = certified_approach(a, b, case.spans().into_iter(), case.clip);
+    let found = certified_approach(a, b, case.spans().into_iter(), case.window);
     let (_, _, time) = found.unwrap_or_else(|| unreachable!());
     assert!(time.earliest < 0.2 && time.latest > 0.8, "{time:?}");
 }

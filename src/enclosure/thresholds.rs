@@ -1,4 +1,4 @@
-//! Relation of a squared distance to the levels of a threshold.
+//! Relation of a squared distance to squared thresholds.
 
 use super::Verdict;
 use super::scaled::TINY;
@@ -13,7 +13,7 @@ pub(super) struct SquaredThresholds {
 }
 
 impl SquaredThresholds {
-    /// Returns the levels for distances with an error of at most `error`.
+    /// Returns the thresholds for distances with an error of at most `error`.
     pub(super) fn new(low: f64, high: f64, error: f64) -> Self {
         let (near, far) = (low - error, high + error);
         Self {
@@ -41,7 +41,7 @@ impl SquaredThresholds {
     }
 }
 
-/// Signs of a part's Bernstein coefficients against one level.
+/// Signs of a part's Bernstein coefficients against one squared threshold.
 ///
 /// With at most one uncertain coefficient between the certain ones of either side, the number of
 /// sign changes is known whatever its sign: none or one, and so is the number of crossings
@@ -58,8 +58,8 @@ pub(super) enum SignPattern {
 }
 
 impl SignPattern {
-    pub(super) fn of(coefficients: &[f64; 7], error: f64, level: f64) -> Self {
-        let (low, high) = (level - error, level + error);
+    pub(super) fn of(coefficients: &[f64; 7], error: f64, threshold: f64) -> Self {
+        let (low, high) = (threshold - error, threshold + error);
         let first = coefficients[0];
         let mut pattern = if first < low {
             Self::Below
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_levels_are_at_minus_infinity() {
+    fn impossible_thresholds_are_at_minus_infinity() {
         let nothing_inside = SquaredThresholds::new(1.0, 1.0, 2.0);
         assert_eq!(nothing_inside.side(-9.0, -9.0), Verdict::Undecided);
         assert_eq!(nothing_inside.side(9.1, 9.2), Verdict::Outside);
@@ -150,19 +150,25 @@ mod tests {
 
     /// Includes thresholds that the error nearly cancels.
     #[test]
-    fn levels_are_rounded_outward() {
+    fn thresholds_are_rounded_outward() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         for round in 0..5_000 {
             let size = 10f64.powf(random.random_range(-59.0..59.0));
             let radius = size * random.random_range(0.5..1.0);
             let error = radius * [1e-15, 1e-3, 0.999][round % 3];
-            let levels = SquaredThresholds::new(radius, radius, error);
+            let thresholds = SquaredThresholds::new(radius, radius, error);
             let (near, far) = (
                 number(radius) - number(error),
                 number(radius) + number(error),
             );
-            assert!(number(levels.inside) <= &near * &near, "{radius} {error}");
-            assert!(number(levels.outside) >= &far * &far, "{radius} {error}");
+            assert!(
+                number(thresholds.inside) <= &near * &near,
+                "{radius} {error}"
+            );
+            assert!(
+                number(thresholds.outside) >= &far * &far,
+                "{radius} {error}"
+            );
         }
     }
 }
