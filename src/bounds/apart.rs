@@ -61,8 +61,8 @@ fn hull_test_of<const EXTENDED: bool>(
     let radius = placement_a.reach + placement_b.reach;
     let [p0, p1, p2, p3] = points;
     let (low, high) = (p0.min(p1).min(p2.min(p3)), p0.max(p1).max(p2.max(p3)));
-    let reach = rounding + radius;
-    if (low.cmpgt(reach) | high.cmplt(-reach)).any() {
+    let bound = rounding + radius;
+    if (low.cmpgt(bound) | high.cmplt(-bound)).any() {
         return HullTest::Apart;
     }
     let sum = (p0 + p3) + (p1 + p2);

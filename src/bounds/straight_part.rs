@@ -32,15 +32,15 @@ impl StraightPart {
         // The fourth number of each has no meaning, and comes to nothing by this.
         let power = [frame.power, frame.power, frame.power, 0.0];
         let since = [from - motion.start(), to - motion.start()];
-        let mut reach = motion.duration();
+        let mut farthest = motion.duration();
         for time in [-since[0], since[1]] {
-            reach = if time > reach { time } else { reach };
+            farthest = if time > farthest { time } else { farthest };
         }
         // A loop over four lanes: the compiler takes one instruction for all.
         let (mut first, mut last, mut error) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for lane in 0..4 {
             let moved = since.map(|since| velocity[lane] * since);
-            error[lane] = nearest((velocity[lane].abs() * (ERROR * power[lane])) * reach);
+            error[lane] = nearest((velocity[lane].abs() * (ERROR * power[lane])) * farthest);
             let offset = origin[lane] - middle[lane];
             first[lane] = nearest((offset + moved[0]) * power[lane]);
             last[lane] = nearest((offset + moved[1]) * power[lane]);

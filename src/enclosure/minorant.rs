@@ -30,16 +30,16 @@ impl Minorant {
 
         // m A and A². Where their product underflows, m A is below 1e-161, and what it would add
         // below TINY.
-        let reach = g11.or_more(g22).or_more(g33);
-        let product = (base * reach).sqrt();
+        let largest = g11.or_more(g22).or_more(g33);
+        let product = (base * largest).sqrt();
         // In units: 4 m A for e1, 19 m A + 10 A² for the others; two more of e1, for the difference
         // and the product below, one of the others: 2 m A + A² at most. One more in 20 covers the
         // rounding of these bounds themselves.
         let first_error = 6.3 * UNIT_ROUNDOFF * product + TINY;
-        let error = UNIT_ROUNDOFF * (22.0 * product + 11.5 * reach) + TINY;
+        let error = UNIT_ROUNDOFF * (22.0 * product + 11.5 * largest) + TINY;
         // The leading coefficient's error is at most 15 times that of a Bernstein coefficient, and 4 roundings of
         // terms of 54 m A + 9 A² in sum.
-        let leading_error = UNIT_ROUNDOFF * (530.0 * product + 200.0 * reach) + 16.0 * TINY;
+        let leading_error = UNIT_ROUNDOFF * (530.0 * product + 200.0 * largest) + 16.0 * TINY;
 
         let e1 = a1 - first_error;
         let e2 = (2.0 * a2 + 6.0 * a1 + 3.0 * g11) * 0.2;

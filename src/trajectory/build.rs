@@ -354,10 +354,10 @@ fn polynomial_segment(
         let time = time.abs();
         ((a * time + b) * time + c) * time + d
     };
-    let (shift, of_origin, terms, reach) = match base {
+    let (shift, of_origin, terms, farthest) = match base {
         TimeBase::Absolute => {
-            let reach = start.abs() + (end - start);
-            (start, UNIT_ROUNDOFF, size(start) + size(end), reach)
+            let farthest = start.abs() + (end - start);
+            (start, UNIT_ROUNDOFF, size(start) + size(end), farthest)
         }
         TimeBase::SegmentLocal => (0.0, 0.0, size(end - start), end - start),
     };
@@ -377,8 +377,13 @@ fn polynomial_segment(
         control_points[2][axis] = (linear + quadratic + cubic).rounded();
     }
     // Products of times and a coefficient multiply what another product lost by underflow.
-    let reach = reach.max(1.0);
-    let growth = [reach * reach * reach, reach * reach, reach, 1.0];
+    let farthest = farthest.max(1.0);
+    let growth = [
+        farthest * farthest * farthest,
+        farthest * farthest,
+        farthest,
+        1.0,
+    ];
     let leading = polynomial.iter().position(|one| *one != DVec3::ZERO);
     let underflow = UNDERFLOW * 64.0 * leading.map_or(1.0, |place| growth[place]);
     // One rounding of the origin where it was computed, one (and a third's) of each point, and

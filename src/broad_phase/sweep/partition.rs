@@ -16,7 +16,7 @@ pub(super) struct Partition {
     /// Ends of the boxes of each part.
     ends: Vec<usize>,
     /// Range of the parts that each box reaches.
-    reach: Vec<Range<usize>>,
+    parts_of_boxes: Vec<Range<usize>>,
 }
 
 impl Partition {
@@ -25,14 +25,18 @@ impl Partition {
     /// Returns `false`, with the boxes undivided, if that would hardly help or not enough copies
     /// are left: if a part keeps nearly all boxes, or too many boxes reach into several parts.
     pub(super) fn divide(&mut self, boxes: &[BodyBox], copies_left: &mut usize) -> bool {
-        let mut reach = std::mem::take(&mut self.reach);
-        reach.clear();
-        reach.extend(boxes.iter().map(|one| self.parts_of(one)));
-        self.reach = reach;
-        let Self { ends, reach, .. } = self;
+        let mut parts_of_boxes = std::mem::take(&mut self.parts_of_boxes);
+        parts_of_boxes.clear();
+        parts_of_boxes.extend(boxes.iter().map(|one| self.parts_of(one)));
+        self.parts_of_boxes = parts_of_boxes;
+        let Self {
+            ends,
+            parts_of_boxes,
+            ..
+        } = self;
         ends.clear();
         ends.resize(self.planes.len() + 1, 0);
-        for parts in reach.iter() {
+        for parts in parts_of_boxes.iter() {
             for part in parts.clone() {
                 ends[part] += 1;
             }
@@ -52,7 +56,7 @@ impl Partition {
         for end in ends.iter_mut() {
             sum += std::mem::replace(end, sum);
         }
-        for (one, parts) in boxes.iter().zip(reach) {
+        for (one, parts) in boxes.iter().zip(parts_of_boxes) {
             for part in parts.clone() {
                 self.boxes[ends[part]] = *one;
                 ends[part] += 1;

@@ -39,10 +39,10 @@ impl PositionPolynomial {
         }
     }
 
-    /// Returns a bound of the sum of the terms' absolute values at all times up to `reach` (s) from the origin (m).
-    pub(super) fn size(&self, reach: f64) -> f64 {
+    /// Returns a bound of the sum of the terms' absolute values at all times up to `farthest` (s) from the origin (m).
+    pub(super) fn size(&self, farthest: f64) -> f64 {
         let sizes = self.coefficients.iter().rev().copied().map(norm);
-        sizes.fold(0.0, |sum, size| sum * reach + size)
+        sizes.fold(0.0, |sum, size| sum * farthest + size)
     }
 
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
@@ -83,14 +83,14 @@ impl PositionPolynomial {
             }
         }
         let duration = duration.rounded();
-        let reach = (start - self.origin).abs() + duration;
+        let farthest = (start - self.origin).abs() + duration;
         let [third, second, first, constant] = cubic.map(norm);
         let extent = duration * (first + duration * (second + duration * third));
         // The coefficients are rounded, then the points of the segment, then what is returned of it.
         let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
             + Segment::EVALUATION * extent
-            + DOUBLE_DOUBLE * self.size(reach)
-            + UNDERFLOW * 64.0 * reach.max(1.0).powi(7);
+            + DOUBLE_DOUBLE * self.size(farthest)
+            + UNDERFLOW * 64.0 * farthest.max(1.0).powi(7);
         Reduced {
             cubic,
             remainder: remainder(high),

@@ -46,12 +46,12 @@ impl Segment {
         let duration = self.end - self.start;
         let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
         let linear = 3.0 * self.control_points[0];
-        let reach = a.abs().max(b.abs());
-        let size = self.extent * reach;
+        let lengths = a.abs().max(b.abs());
+        let size = self.extent * lengths;
         Restriction {
             points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
             // The error of any cubic: the extent is the length of the linear coefficient.
-            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+            error: self.grown_error(lengths, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
 
@@ -80,14 +80,14 @@ impl Segment {
                 + quadratic * ((x * y + y * z + z * x) / 3.0)
                 + cubic * (x * y * z)
         };
-        let reach = a.abs().max(b.abs());
-        let size = norm(linear) * reach
-            + norm(quadratic) * reach * reach
-            + norm(cubic) * reach * reach * reach;
+        let lengths = a.abs().max(b.abs());
+        let size = norm(linear) * lengths
+            + norm(quadratic) * lengths * lengths
+            + norm(cubic) * lengths * lengths * lengths;
         Restriction {
             points: [at(a, a, a), at(a, a, b), at(a, b, b), at(b, b, b)],
             // The blossom: at most 12 roundings of each term.
-            error: self.grown_error(reach, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+            error: self.grown_error(lengths, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
 
@@ -163,12 +163,12 @@ impl Segment {
             return Err(Error::TooFar { knot, time });
         }
         // Its rounding grows as well.
-        let reach = self.rounding_scale(from, to);
-        if reach.is_nan() || reach > MAX_MAGNITUDE {
+        let scale = self.rounding_scale(from, to);
+        if scale.is_nan() || scale > MAX_MAGNITUDE {
             return Err(Error::OutOfRange {
                 knot,
                 quantity: Quantity::Distance,
-                value: reach,
+                value: scale,
             });
         }
         Ok(())
