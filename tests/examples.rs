@@ -359,7 +359,11 @@ const TABLES: [(&str, &[&str]); 8] = [
             "encounters",
             "missed",
             "false",
+            "late_ms_p50",
+            "late_ms_max",
+            "separation_off_m",
             "ms",
+            "ms_frame",
             "times_nearmiss",
         ],
     ),
@@ -368,14 +372,29 @@ const TABLES: [(&str, &[&str]); 8] = [
         &[
             "motion",
             "tolerance_m",
+            "error_m",
             "knots_body",
+            "encounters",
             "missed",
             "missed_with_error",
+            "false",
+            "entry_off_ms",
+            "separation_off_m",
+            "ms",
         ],
     ),
     (
         "told",
-        &["told_s", "encounters", "seen_ahead", "missed", "false"],
+        &[
+            "told_s",
+            "encounters",
+            "seen_ahead",
+            "seen_late",
+            "ahead_s_p50",
+            "missed",
+            "false",
+            "ms_told",
+        ],
     ),
     (
         "spheres",
@@ -390,7 +409,14 @@ const TABLES: [(&str, &[&str]); 8] = [
     ),
     (
         "baking",
-        &["tolerance_m", "encounters", "certified", "unresolved", "ms"],
+        &[
+            "tolerance_m",
+            "encounters",
+            "certified",
+            "unresolved",
+            "ms",
+            "certified_ms",
+        ],
     ),
     ("prices", &["work", "with", "ms", "times_the_first"]),
     (
@@ -422,6 +448,11 @@ fn the_tradeoff_in_short() {
             for column in columns {
                 assert!(row.get(column).is_some(), "{key}: {column} in {row}");
             }
+            assert_eq!(
+                row.as_object().unwrap().len(),
+                columns.len(),
+                "{key}: {row}"
+            );
         }
     }
     let rows = |key: &str, column: &str, part: &str| {

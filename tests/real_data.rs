@@ -48,7 +48,7 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
         let tags = [conflict.a, conflict.b].map(|id| scene.body(id).unwrap().tag);
         found.entry((tags[0], tags[1])).or_default().push(conflict);
     }
-    let mut matched = 0;
+    let (mut matched, mut off) = (0, (0.0, 0.0));
     for (pair, expected) in &oracle {
         let of_pair = found.remove(pair).unwrap_or_default();
         let mut extra = of_pair;
@@ -58,7 +58,9 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
                 .position(|conflict| agrees(conflict, interval, time_tolerance));
             match place {
                 Some(place) => {
-                    check(name, *pair, extra.remove(place), interval, time_tolerance);
+                    let conflict = extra.remove(place);
+                    check(name, *pair, conflict, interval, time_tolerance);
+                    include(&mut off, conflict, interval);
                     matched += 1;
                 }
                 None => assert!(
@@ -74,7 +76,10 @@ fn compare(name: &str, intervals: &str, threshold: f64, time_tolerance: f64) {
     for (pair, extra) in &found {
         check_extras(name, *pair, extra, threshold);
     }
-    eprintln!("{name} at {threshold} m: {matched} intervals agree");
+    let (time, separation) = off;
+    eprintln!(
+        "{name} at {threshold} m: {matched} intervals agree to {time:.1e} s and {separation:.1e} m"
+    );
     assert!(matched > 0);
     check_certificates(name, &scene, &query, &conflicts);
     check_ways(name, &scene, &query, &conflicts);
@@ -164,6 +169,21 @@ fn check(
         interval.tca
     );
     assert_eq!(conflict.clip.bits(), interval.clip & 3, "{name}: {pair:?}");
+}
+
+/// Includes how far a conflict is off in the largest differences of an instant (s) and a separation (m).
+fn include((time, separation): &mut (f64, f64), conflict: &Conflict, interval: &OracleInterval) {
+    let closest = &conflict.closest;
+    let ends = [
+        conflict.enter - interval.enter,
+        conflict.exit - interval.exit,
+    ];
+    // Of a constant distance any instant is the closest.
+    let tca = (interval.clip & 4 == 0).then_some(closest.time - interval.tca);
+    for difference in ends.into_iter().chain(tca) {
+        *time = time.max(difference.abs());
+    }
+    *separation = separation.max((closest.separation - interval.distance).abs());
 }
 
 /// The oracle's condition is open, the crate's closed: a common domain of one instant, and what
