@@ -146,8 +146,9 @@ impl Conflict {
 }
 
 impl fmt::Display for Conflict {
-    /// Writes one line: the bodies, with tags that are not 0, the interval, the closest approach, the proven error
-    /// of its separation, and the clipped ends. A precision (`{:.6}`) sets the number of decimals.
+    /// Writes one line: the bodies, with tags that are not 0, the interval, the closest approach, the proven error of its
+    /// separation (of the splines; with model errors, of the world), and the clipped ends. A precision (`{:.6}`)
+    /// sets the number of decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (a, b) = (
             TaggedBody(self.a, self.tag_a),
@@ -157,12 +158,16 @@ impl fmt::Display for Conflict {
         write_course(f, (self.enter, self.exit), &self.closest)?;
         if let Some(certificate) = &self.certificate {
             let decimals = f.precision().unwrap_or(3);
-            write!(f, ", ±{:.decimals$} m", Readable(certificate.error))?;
-            f.write_str(if certificate.resolved {
-                ""
+            let error = Readable(certificate.error);
+            let of = if self.closest.model_error > 0.0 {
+                "world"
             } else {
-                ", unresolved"
-            })?;
+                "splines"
+            };
+            write!(f, ", ±{error:.decimals$} m of the {of}")?;
+            if !certificate.resolved {
+                f.write_str(", unresolved")?;
+            }
         }
         f.write_str(match (self.clip.at_enter, self.clip.at_exit) {
             (false, false) => "",

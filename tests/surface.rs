@@ -165,7 +165,7 @@ fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
     let certified = passing()?.screen(&certified.with_margin(5.0))?.conflicts[0].to_string();
     let parts = certified.split_once("closest 3.000 m at 10.000 s, ±");
     assert!(
-        parts.is_some_and(|(_, error)| error.ends_with(" m, cut off at exit")),
+        parts.is_some_and(|(_, error)| error.ends_with(" m of the splines, cut off at exit")),
         "{certified}"
     );
     let mut tagged = conflict;

@@ -5,8 +5,9 @@
 //!     [--json FILE] [--pictures FOLDER] [--bodies N | --states FILE --radius R --margin M]
 //! ```
 //!
-//! Every line is compared with a certified reference. Times are medians; what is compared runs in turns. With
-//! `--features recording` the price list has a row for it.
+//! Pairs, stepping and told states are compared with a certified reference; knots with fits to 1e-5 m; spheres with the
+//! boxes that they cover, looked at 500 times a second. Times are medians; what is compared runs in turns. With `--features
+//! recording` the price list has a row for it.
 
 mod existence;
 mod modelled;

@@ -227,5 +227,8 @@ pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Result<Table, Fa
     screenings(effort, &mut table, progress)?;
     monitors(effort, &mut table, progress)?;
     table.note("screening: a minute of plans. A tick: 1/60 s, 10 s ahead, no plan changes.");
+    table.note("certified: of the splines.");
+    #[cfg(not(feature = "recording"))]
+    table.note("With --features recording there is a row for recordings.");
     Ok(table)
 }

@@ -60,6 +60,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
         ]);
     }
     table.note("tolerance m: of a sphere whose centre is 1 m from the body's position.");
+    table.note("certified: of the splines, which are all that is known of these bodies.");
     table.note("unresolved: the tolerance does not let it be told whether the spheres touch.");
     Ok(table)
 }
