@@ -9,7 +9,7 @@ use super::crossing::{ProfileNode, end_of_interval};
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::relative::RelativeCubic;
 use super::squared_distance::SquaredDistance;
-use super::stationary::{MAX_STATIONARY, stationary_points};
+use super::stationary::{MAX_STATIONARY, MAXIMUM_ERROR, stationary_points};
 use crate::conflict::Clip;
 use crate::rounding::norm;
 
@@ -112,7 +112,7 @@ impl DistanceProfile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
-    /// Returns the largest distance in each of so many equal cells of the span, to rounding, m.
+    /// Returns a bound of the distance in each of so many equal cells of the span, to rounding, m.
     pub(super) fn largest_in_cells<const N: usize>(&self, cubic: &RelativeCubic) -> [f64; N] {
         let mut largest = [0.0; N];
         let mut nodes = self.nodes().iter().peekable();
@@ -123,7 +123,8 @@ impl DistanceProfile {
             let after = norm(forms.at(end).0);
             *largest = before.max(after);
             while let Some(node) = nodes.next_if(|node| node.s <= end) {
-                *largest = largest.max(node.distance);
+                // Where the distance is tiny its square has no more digits.
+                *largest = largest.max(node.distance.hypot(MAXIMUM_ERROR * cubic.size));
             }
             before = after;
         }

@@ -60,11 +60,15 @@ fn slope(cubic: &RelativeCubic) -> [f64; 7] {
     ]
 }
 
+/// Bound, relative to the size of a cubic, of the root of what the squared distance may exceed that at a computed maximum. The
+/// slope is off by at most a few hundred roundings of the squared size, and so is what it adds up to up to the maximum.
+pub(super) const MAXIMUM_ERROR: f64 = 4e-7;
+
 /// Moves a stationary point of the rounded polynomial onto the minimum of the distance itself.
 ///
 /// Newton on h · h', accepted only while the distance shrinks. At a multiple root (docking) each
 /// step only halves the error, hence the number of steps. Maxima are not moved: no answer depends
-/// on their exact place.
+/// on their exact place. (Bounds that are taken from them have [room](MAXIMUM_ERROR) for it.)
 fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
     const MAX_STEPS: usize = 60;
     let power = normalising_power(cubic.size);

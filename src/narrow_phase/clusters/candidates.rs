@@ -71,7 +71,8 @@ impl SphereCandidate {
             }
             start = end;
             let distance = within(bound) + self.radii;
-            let square = distance * distance + 4.0 * self.rounding;
+            // Of the heights, of a split for each piece before, and of the halvings of `is_above`: at most 202 units.
+            let square = distance * distance + 8.0 * self.rounding;
             if distance >= 0.0 && !is_above(&piece, square, 2) {
                 return true;
             }
@@ -201,7 +202,8 @@ pub(super) fn find_nearest(
     }
 }
 
-/// Returns a bound of the rounding of heights, of a part or of what is left of it after so many [halvings](HALVINGS).
+/// Returns a bound of the rounding of heights, of a part or of what is left of it after so many [halvings](HALVINGS): 32 units
+/// of the largest square.
 pub(super) fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
     // Of the largest square: 10 of the heights of the part, 6 of their means each time.
     let squares = points.map(DVec3::length_squared);

@@ -7,8 +7,8 @@
 //!
 //! - A screening solves those first that are probably the nearest ones. What these prove tells how near another
 //!   pair must come, and when, to matter (`search`).
-//! - A monitor does not know window and margin yet. It needs all pairs that are the nearest ones at some time
-//!   (`nearest`).
+//! - A monitor keeps what it solves for other windows and smaller margins. It needs all pairs that are the nearest ones at
+//!   some time (`nearest`).
 //!
 //! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the reported values have the
 //! same bits as if every pair was solved.

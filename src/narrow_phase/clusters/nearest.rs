@@ -1,6 +1,6 @@
 //! Question for the pairs of spheres that are the nearest ones at some time.
 //!
-//! All the time another pair may be nearer by more than the solver's rounding: such pairs are left out. What
+//! A pair is left out if at each time some other pair is nearer by more than the solver's rounding. What
 //! remains suffices for contacts within any margin, and for the closest approach, in any window.
 
 use super::proven::{BoundedPiece, Pieces};

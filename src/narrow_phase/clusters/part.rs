@@ -17,6 +17,7 @@ use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::rounding::{norm, normalising_power};
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
 pub(super) struct SpheresOverPart<'a> {
@@ -47,8 +48,8 @@ pub(super) struct PartScratch {
     /// Buffers for the part, for a half of it or of its spheres, and so on.
     pub(super) near: [NearSpheres; SpheresOverPart::DEPTH],
     pub(super) buffers: CandidateBuffers,
-    /// Pairs of spheres that are solved.
-    pub(super) solved: Vec<(MotionKey, (u32, u32))>,
+    /// Motions that are solved, and the first spheres of which they are.
+    pub(super) solved: BTreeMap<MotionKey, (u32, u32)>,
 }
 
 /// Buffers for the pairs of spheres in an interval.

@@ -10,18 +10,20 @@ use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOve
 use super::proven::{BoundedPiece, Pieces, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
+use std::collections::BTreeMap;
 
 /// A question about two bodies over a part of a span.
 pub(super) trait Question {
-    /// True if all pairs matter that are the nearest ones at some time.
+    /// True if all pairs matter that are the nearest ones at some time. Where they are few they are compared with each other
+    /// before any is solved.
     const IS_OF_ALL_TIMES: bool = false;
 
     /// Appends the pieces of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
     /// be reached.
     fn list_pieces(&self, interval: (f64, f64), pieces: &mut Pieces);
 
-    /// Solves a pair of spheres. If more may follow in the part, `slack` is the difference of separations below which it is
-    /// not certain which pair is nearer, m.
+    /// Solves a pair of spheres. `slack` is the difference of separations below which it is not certain which pair is nearer,
+    /// m; `None` if what the pair tells of others is not needed.
     fn solve(&mut self, pair: &SpherePair, slack: Option<f64>);
 
     /// Notes that two spheres come as near as this at some time of the part, m. Returns false if that tells nothing.
@@ -115,8 +117,8 @@ struct Search<'s, 'a, Q> {
     /// needed yet.
     slack: Option<f64>,
     buffers: &'s mut CandidateBuffers,
-    /// Pairs of spheres that are solved.
-    solved: &'s mut Vec<(MotionKey, (u32, u32))>,
+    /// Motions that are solved, and the first spheres of which they are.
+    solved: &'s mut BTreeMap<MotionKey, (u32, u32)>,
     /// True if the spheres or the part are halved.
     is_divided: bool,
 }
@@ -241,9 +243,12 @@ impl<Q: Question> Search<'_, '_, Q> {
     /// reported.
     fn solve_once(&mut self, spheres: (u32, u32), slack: Option<f64>) {
         let motion = self.part.motion_key(spheres);
-        let mut solved = self.solved.iter();
-        if !solved.any(|&(other, first)| other == motion && first <= spheres) {
-            self.solved.push((motion, spheres));
+        if self
+            .solved
+            .get(&motion)
+            .is_none_or(|first| spheres < *first)
+        {
+            self.solved.insert(motion, spheres);
             self.question.solve(&self.part.pair(spheres), slack);
         }
     }
