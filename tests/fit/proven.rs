@@ -6,8 +6,8 @@ use nearmiss::{Error, FitOptions, Trajectory, Window};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-#[test]
-fn no_proven_error_is_exceeded() {
+/// Fits all motions whose fourth derivative is bounded, and looks at so many instants of each fit.
+fn assert_proofs(instants: u32) {
     let mut proven = 0;
     for case in all() {
         let Some(bound) = case.fourth_derivative else {
@@ -18,7 +18,7 @@ fn no_proven_error_is_exceeded() {
             let fit =
                 Trajectory::fit_with(&case.motion, case.window(), tolerance, &options).unwrap();
             assert!(fit.is_proven() && fit.error() <= tolerance);
-            let share = case.assert_error(&fit, 20_000, 12);
+            let share = case.assert_error(&fit, instants, 12);
             println!(
                 "{} within {tolerance} m: {} knots, error {:e} m, of which {share:.3} seen",
                 case.name,
@@ -29,6 +29,17 @@ fn no_proven_error_is_exceeded() {
         }
     }
     assert_eq!(proven, 10);
+}
+
+#[test]
+fn no_proven_error_is_exceeded() {
+    assert_proofs(20_000);
+}
+
+#[test]
+#[ignore = "a campaign of some seconds: 10 million instants"]
+fn no_proven_error_is_exceeded_at_a_million_instants() {
+    assert_proofs(1_000_000);
 }
 
 /// One hard bend, or ever faster oscillations: the knots lie where they are needed, and the proof holds.

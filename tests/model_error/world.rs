@@ -2,7 +2,7 @@
 
 use super::support::{vector, wander};
 use glam::{DQuat, DVec3};
-use nearmiss::{Body, Hitbox, Orientation, Sphere, State, Trajectory};
+use nearmiss::{Body, FitOptions, Hitbox, Orientation, Sphere, State, Trajectory, Window};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
@@ -68,6 +68,26 @@ impl Circle {
         )
     }
 
+    /// The largest fourth derivative, m/s^4.
+    fn fourth_derivative(&self) -> f64 {
+        self.axes[0].length() * self.speed.powi(4)
+    }
+
+    /// What [`Trajectory::fit_with`] makes of it, and the error that it proves.
+    fn fitted_within(&self, end: f64, tolerance: f64) -> (Trajectory, f64) {
+        let motion = |time: f64| {
+            let state = self.state(time);
+            (state.position, state.velocity)
+        };
+        let bound = self.fourth_derivative() * (1.0 + 1e-9);
+        let options = FitOptions::default().with_fourth_derivative(bound);
+        let window = Window::new(0.0, end).unwrap();
+        let fit = Trajectory::fit_with(motion, window, tolerance, &options).unwrap();
+        assert!(fit.is_proven());
+        let error = fit.error();
+        (fit.trajectory, error)
+    }
+
     /// A cubic Hermite spline with knots this far apart (s), and its proven error: the fourth
     /// derivative times h^4/384, and some rounding.
     fn fitted(&self, end: f64, step: f64) -> (Trajectory, f64) {
@@ -77,8 +97,7 @@ impl Circle {
         let numbers = numbers.take_while(|k| *k <= count);
         let states = numbers.map(|k| self.state(k * step));
         let states: Vec<State> = states.collect();
-        let bend = self.axes[0].length() * self.speed.powi(4);
-        let error = bend * step.powi(4) / 384.0 * (1.0 + 1e-9) + 1e-12;
+        let error = self.fourth_derivative() * step.powi(4) / 384.0 * (1.0 + 1e-9) + 1e-12;
         (Trajectory::from_states(&states).unwrap(), error)
     }
 }
@@ -110,8 +129,13 @@ pub(crate) fn world(rng: &mut ChaCha8Rng, seed: u64) -> World {
     };
     let (plans, truth) = if seed.is_multiple_of(2) {
         let circles = [Circle::any(rng), Circle::any(rng)];
-        let step = rng.random_range(0.1..1.5);
-        let plans = [0, 1].map(|k: usize| circles[k].fitted(end, step));
+        let plans = if seed.is_multiple_of(4) {
+            let tolerance = 10f64.powf(rng.random_range(-6.0..0.0));
+            [0, 1].map(|k: usize| circles[k].fitted_within(end, tolerance))
+        } else {
+            let step = rng.random_range(0.1..1.5);
+            [0, 1].map(|k: usize| circles[k].fitted(end, step))
+        };
         (plans, Truth::Circles(circles))
     } else {
         let sizes = [0.0, 10f64.powf(rng.random_range(-6.0..0.0))];
