@@ -206,7 +206,7 @@ impl World {
     /// Least separation of the splines, m.
     fn nearest(&self) -> f64 {
         let [a, b] = &self.bodies;
-        let window = nearmiss::Window::new(self.window.0, self.window.1).unwrap();
+        let window = Window::new(self.window.0, self.window.1).unwrap();
         let found = nearmiss::pair::closest_approach(a, b, window).unwrap();
         found.map_or(0.0, |found| found.separation)
     }
