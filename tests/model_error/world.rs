@@ -73,7 +73,7 @@ impl Circle {
         self.axes[0].length() * self.speed.powi(4)
     }
 
-    /// What [`Trajectory::fit_with`] makes of it, and the error that it proves.
+    /// Returns the fit of [`Trajectory::fit_with`], and the error that it proves, m.
     fn fitted_within(&self, end: f64, tolerance: f64) -> (Trajectory, f64) {
         let motion = |time: f64| {
             let state = self.state(time);
