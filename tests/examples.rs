@@ -479,6 +479,13 @@ fn the_tradeoff_in_short() {
         knots.iter().all(|row| row["missed_with_error"] == 0),
         "{knots:?}"
     );
+    // Whether the boxes touch is proven for each encounter of their spheres.
+    let spheres = found["tables"]["spheres"]["rows"].as_array().unwrap();
+    assert!(spheres.iter().all(|row| {
+        let [touch, never, all] =
+            ["boxes_touch", "false", "encounters"].map(|column| row[column].as_u64());
+        touch.zip(never).map(|(touch, never)| touch + never) == all
+    }));
     let baked = found["tables"]["baking"]["rows"].as_array().unwrap();
     assert!(
         baked

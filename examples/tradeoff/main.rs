@@ -5,9 +5,9 @@
 //!     [--json FILE] [--pictures FOLDER] [--bodies N | --states FILE --radius R --margin M]
 //! ```
 //!
-//! Pairs, stepping and told states are compared with a certified reference; knots with fits to 1e-5 m; spheres with the
-//! boxes that they cover, looked at 500 times a second. Times are medians; what is compared runs in turns. With `--features
-//! recording` the price list has a row for it.
+//! Each line is compared with a certified reference: that of the splines, of the true motions that are fitted, or of the
+//! boxes that spheres cover. Times are medians; what is compared runs in turns. With `--features recording` the price
+//! list has a row for it.
 
 mod existence;
 mod modelled;

@@ -1,6 +1,6 @@
 //! The tolerance of turning bodies: how finely the ways of their spheres are cut into cubics.
 
-use super::spheres::boxes;
+use super::spheres::Boxes;
 use crate::table::Table;
 use crate::timing::repeated;
 use crate::{Effort, Failure};
@@ -40,7 +40,7 @@ pub(super) fn table(effort: &Effort) -> Result<Table, Failure> {
     );
     let shape = Cuboid::new(DVec3::new(0.5, 1.0, 2.0).as_vec3());
     let cover = SphereCover::fit(&shape, &CoverOptions::new(effort.choose(16, 8)))?;
-    let base = boxes(count, &Hitbox::from(cover))?;
+    let base = Boxes::new(count, &Hitbox::from(cover))?.scene;
     let query = Query::new(Window::new(0.0, 20.0)?);
     let certified = query.with_accuracy(Accuracy::Certified);
     for &tolerance in effort.choose(&[1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6][..], &[1e-2, 1e-4][..]) {

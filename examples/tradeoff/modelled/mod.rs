@@ -1,7 +1,9 @@
 //! A world modelled more or less finely: what that costs, and which answers it changes.
 
 mod baking;
+mod box_pair;
 mod knots;
+mod motions;
 mod spheres;
 mod told;
 
