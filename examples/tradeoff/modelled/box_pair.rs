@@ -59,7 +59,9 @@ impl<F: Fn(f64) -> (DVec3, [DQuat; 2])> BoxPair<F> {
             .iter()
             .flat_map(|a| of_b.iter().map(move |b| a.cross(*b)));
         // Those of parallel edges are no axes.
-        let edges = edges.filter_map(|axis| (axis.length() > 1e-9).then(|| axis.normalize()));
+        let edges = edges
+            .filter(|axis| axis.length() > 1e-9)
+            .map(DVec3::normalize);
         let extent = |axes: DMat3, axis: DVec3| (axes.transpose() * axis).abs().dot(self.half);
         let gap = |axis: DVec3| between.dot(axis).abs() - extent(a, axis) - extent(b, axis);
         let gaps = faces.into_iter().chain(edges).map(gap);
