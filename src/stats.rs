@@ -18,8 +18,8 @@ use std::time::Duration;
 pub struct Stats {
     /// Bodies in the scene.
     pub bodies: u64,
-    /// Changes since a monitor's last tick: inserted and removed bodies, plans, hitboxes, layers. A
-    /// batch counts one for each body.
+    /// Changes since a monitor's last tick: inserted and removed bodies, and changes of plans, orientations,
+    /// hitboxes, layers and model errors. A batch counts one for each body.
     pub changed: u64,
     /// Cubic segments, pieces beyond the knots included. (Not counted in a monitor's tick.)
     pub segments: u64,

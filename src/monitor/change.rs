@@ -86,7 +86,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if the trajectory cannot
+    /// be followed through the lookahead.
     pub fn set_trajectory(&mut self, id: BodyId, trajectory: Trajectory) -> Result<(), Error> {
         self.apply([Command::SetTrajectory(id, trajectory)])
             .map(drop)
@@ -96,7 +97,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<(), Error> {
         self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
     }
@@ -106,7 +107,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_orientation(&mut self, id: BodyId, orientation: Orientation) -> Result<(), Error> {
         self.apply([Command::SetOrientation(id, orientation)])
             .map(drop)
@@ -132,7 +133,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`].
+    /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<(), Error> {
         self.apply([Command::SetLayers(id, layers)]).map(drop)
     }

@@ -69,7 +69,8 @@ pub struct Encounter {
     pub open: bool,
     /// Least separation over the past and the planned part, as far as the monitor has looked. While
     /// the encounter is `open`, the bodies may come nearer later. A [`Revised`](EventKind::Revised)
-    /// reports the nearest point once it is in sight, and until then once a lookahead. Its
+    /// reports the nearest point when the lookahead reaches it. Before that, once a lookahead, it reports the nearest
+    /// point so far. Its
     /// [`model_error`](ClosestApproach::model_error) is that of the bodies as they are now, also where the nearest
     /// point has passed.
     pub closest: ClosestApproach,
@@ -106,8 +107,9 @@ pub enum EndReason {
     Separated,
     /// One of the trajectories ended.
     TrajectoryEnded,
-    /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored. If a
-    /// body leaves by a new plan that begins elsewhere, they are [`Separated`](Self::Separated) at that instant.
+    /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored. A
+    /// body that leaves by a plan of `replan` or `track` that begins elsewhere is
+    /// [`Separated`](Self::Separated) at that instant.
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,

@@ -182,8 +182,8 @@ impl Monitor {
     pub const MAX_SPANS: usize = 1 << 20;
 
     /// Returns a monitor of `scene` whose clock shows `now` (s) and that looks `lookahead` seconds ahead.
-    /// Levels are numbered as given, from 0; they may come in any order. Lookahead and levels cannot
-    /// change: for others, [`close`](Self::close) the monitor and make another one.
+    /// The lookahead is above 0 and at most 1e300, and not lost in the rounding of `now`. Levels are
+    /// numbered as given, from 0; they may come in any order. Lookahead and levels cannot change: for others, [`close`](Self::close) the monitor and make another one.
     ///
     /// # Errors
     ///
@@ -377,7 +377,8 @@ impl Monitor {
     }
 
     /// Returns the conflicts of one body at a level, soonest first, as of the last tick: a body that was inserted since
-    /// has none yet. The call goes through all conflicts of the level.
+    /// has none yet. None are found before the first tick, and while a budget leaves the monitor behind its clock. The
+    /// call goes through all conflicts of the level.
     ///
     /// # Errors
     ///
@@ -392,7 +393,9 @@ impl Monitor {
         Ok(self.conflicts(level)?.iter().filter(concerns))
     }
 
-    /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick.
+    /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick. `None`
+    /// says that there is none up to [`complete_until`](Self::complete_until): nothing is known before the first
+    /// tick, and while a budget leaves the monitor behind its clock.
     ///
     /// # Errors
     ///
@@ -401,7 +404,8 @@ impl Monitor {
         Ok(self.conflicts_of(id, level)?.next())
     }
 
-    /// Returns encounters under way and ahead, level by level.
+    /// Returns encounters under way and ahead, level by level; as of the last tick, without those of bodies that
+    /// were removed since.
     pub fn encounters(&self) -> impl Iterator<Item = &Encounter> {
         let all = self.encounters.iter().flat_map(EncounterTracker::iter);
         let is_there = |id| self.removed.is_empty() || self.scene.body(id).is_some();

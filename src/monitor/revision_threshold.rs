@@ -5,8 +5,8 @@
 ///
 /// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an
 /// instant that was computed. States told in f32 change predictions by more, in each tick: choose some
-/// hundredths there. The instant of a closest approach is revised if the bodies are no longer as near then, but for
-/// the threshold. With 0 every change is reported. Exception: the nearest point of an open
+/// hundredths there. Another instant of closest approach is reported if the separation at the one reported before exceeds the
+/// least by more than the threshold. With 0 every change is reported. Exception: the nearest point of an open
 /// encounter changes each tick while it lies at the end of the known time. It is reported once a lookahead at
 /// most.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -28,8 +28,8 @@ impl Monitor {
     /// these, hardly on its length.
     ///
     /// In steady state a tick on one thread allocates nothing: it uses the memory of earlier ones, which holds as much as was
-    /// ever needed. Exception: where the boxes of more than 1,024 pairs and four a body meet in a slice of the
-    /// lookahead, their memory is given back each time.
+    /// ever needed. Exception: a slice of the lookahead in which more pairs of boxes meet than 1,024 and four
+    /// times the number of bodies. It gives their memory back each time.
     ///
     /// # Errors
     ///
@@ -45,8 +45,8 @@ impl Monitor {
     /// Nothing is missing before [`complete_until`](Self::complete_until); later ticks continue from there,
     /// also while the clock stands still. In the end they report the clock events that unlimited ticks do.
     /// Exceptions: bodies are inserted or removed meanwhile, hitboxes, layers, model errors or ignored pairs change (all
-    /// of these count from `complete_until` on if it is before the clock), or a plan changes the past at an instant (the
-    /// clock's own included) that one monitor has reported and another has not.
+    /// of these count from `complete_until` on if it is before the clock), or a plan changes an instant, up to the
+    /// clock, that one monitor has reported and another has not.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

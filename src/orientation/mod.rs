@@ -47,8 +47,8 @@ use turning::OrientationPart;
 ///
 /// The centre c of a sphere goes around the body's position on a path that is no polynomial.
 /// Between cuts the path is replaced by a cubic with a proven error of at most `tolerance · |c|`.
-/// [`Accuracy::Exact`](crate::Accuracy::Exact) adds that error to the sphere's radius, so no contact is lost:
-/// a separation is at most twice the error of each body too small.
+/// [`Accuracy::Exact`](crate::Accuracy::Exact) adds that error to the sphere's radius, so no contact is lost.
+/// A separation may be too small, by at most twice the sum of both bodies' errors.
 /// [`Accuracy::Certified`](crate::Accuracy::Certified) adds it to the half-width of its enclosures.
 ///
 /// | tolerance | default of | cubics per revolution |

@@ -66,8 +66,7 @@ impl Scene {
     /// - [`Error::Margin`] if the margin is NaN, infinite or beyond ±1e300.
     /// - [`Error::NoPlan`] if the query names no window and [`planned`](Self::planned) is `None`,
     ///   though there are bodies.
-    /// - [`Error::WindowNotClosed`] if a body exists beyond its knots and the window is not closed on
-    ///   both sides.
+    /// - [`Error::WindowNotClosed`] if the window is open on a side on which a body goes on beyond its knots.
     /// - [`Error::InBody`] with [`Error::OutOfRange`] if an extrapolated cubic leaves the range of
     ///   numbers within the window, or with [`Error::TooFar`].
     /// - [`Error::TooCrowded`] if more spans may hold a conflict than the query has room for.

@@ -2,12 +2,12 @@
 
 /// The rule for the motion of a body before its first and after its last knot.
 ///
-/// A body that continues beyond its knots exists at all times: it can only be screened within a
-/// closed window, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
+/// A body that continues beyond its knots exists at all times. A window in which it is screened must be closed on that
+/// side, else there is an [`Error::WindowNotClosed`](crate::Error::WindowNotClosed).
 ///
 /// Rounding: a position beyond the knots is good to 4e-15 of the distance travelled from the knot.
 /// For a cubic, take the sum of the sizes of its three terms; straight motion has only the linear
-/// one. Two bodies then come within a margin to 1e-14 of both distances and of their separation.
+/// one. Whether two bodies are within a margin is then known to 1e-14 of the sum of both distances and their separation.
 /// [`Accuracy::Exact`](crate::Accuracy::Exact) reports conflicts that this leaves open,
 /// [`Accuracy::Certified`](crate::Accuracy::Certified) marks them as unresolved.
 ///

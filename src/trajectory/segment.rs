@@ -306,7 +306,8 @@ impl Segment {
     /// Returns position, velocity and acceleration at `time` (m, m/s, m/s²), also beyond the knots.
     ///
     /// Between the knots the position has an error of at most one rounding of itself, and 2e-14 of the
-    /// [`extent`](Self::extent).
+    /// [`extent`](Self::extent). Beyond them no bound is given: [`Outside`](crate::Outside) has that of
+    /// [`Trajectory::position`](crate::Trajectory::position).
     #[must_use]
     pub fn motion_at(&self, time: f64) -> (DVec3, DVec3, DVec3) {
         let duration = self.end - self.start;

@@ -218,8 +218,9 @@ impl Handle {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
     }
 
-    /// Returns the instant up to which nothing was missing at the last tick, s. All events up to the clock
-    /// have been reported, or wait to be read. Requests applied since count with the next tick.
+    /// Returns the instant up to which nothing was missing at the last tick, s. All events up to the earlier of
+    /// this instant and the clock have been reported, or wait to be read. Requests applied since count with the
+    /// next tick.
     #[must_use]
     pub fn complete_until(&self) -> f64 {
         f64::from_bits(self.shared.complete_until.load(Ordering::Acquire))

@@ -18,7 +18,8 @@ pub struct LiveOptions {
     /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
     /// them from the beginning; those of the step at hand wait beside them.
     pub reports: usize,
-    /// Longest work between two looks at the requests; 10 ms by default.
+    /// Work between two looks at the requests, wall time; exceeded as
+    /// [`Budget::Time`](crate::Budget::Time) says. 10 ms by default.
     pub budget: Duration,
 }
 
@@ -75,7 +76,8 @@ pub struct Report {
 pub enum ReportKind {
     /// An event of the monitor.
     Event(Event),
-    /// The clock was moved, or more was caught up; all events of it have come before this.
+    /// The clock was moved, or more was caught up. All events up to the earlier of `now` and `complete_until` have
+    /// come before this.
     Ticked {
         /// The clock, s.
         now: f64,

@@ -16,10 +16,10 @@ pub struct Ticket(pub(super) u64);
 ///
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
-/// later than the earlier, at a time at which its plan exists and from which it goes on, as it does
-/// from the clock by then (else it may be refused, and the earlier one is needed). It may still be refused for a
-/// reason that only the scene knows: the body is not there at that time, say. Then the earlier one is gone as
-/// well. A sender of plans for later than the body exists should wait for the answer, or send a batch.
+/// later than the earlier. Its plan must exist at that time and go on from there, and from the clock by then: otherwise it
+/// may be refused, and the earlier one is kept. It may still be refused for a reason that only the scene knows: the body
+/// is not there at that time, say. Then the earlier one is gone as well. A sender of plans for later than the body exists
+/// should wait for the answer, or send a batch.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,

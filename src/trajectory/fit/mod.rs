@@ -44,10 +44,10 @@ impl Fit {
         }
     }
 
-    /// Returns the error: the largest distance (m) between trajectory and motion, from the first to the last knot. It
-    /// is never above the tolerance.
+    /// Returns the error: a bound of the distance (m) between trajectory and motion, from the first to the last knot. It
+    /// is proven or estimated: see [`is_proven`](Self::is_proven). It is never above the tolerance.
     ///
-    /// The error is proven or estimated: see [`is_proven`](Self::is_proven). For a fit it contains the rounding of
+    /// For a fit it contains the rounding of
     /// [`Trajectory::position`] and of the cubics. Give it to
     /// [`Body::with_model_error`](crate::Body::with_model_error), and answers cover the motion.
     #[must_use]

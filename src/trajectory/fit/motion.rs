@@ -38,9 +38,9 @@ const PARTS: u8 = 64;
 
 impl Trajectory {
     /// Approximates a motion over a window by cubics, with knots where it needs them. `motion` returns position and
-    /// velocity (m, m/s) at a time of the window (s). The result differs from it by at most `tolerance` (m).
+    /// velocity (m, m/s) at a time of the window (s). The error of the result is at most `tolerance` (m).
     ///
-    /// The error of the result is an estimate: 1.25 times the largest deviation seen, and rounding. Each piece is
+    /// That error is an estimate: 1.25 times the largest deviation seen, and rounding. Each piece is
     /// examined at thirteen instants or more, and the window at 1024 or more, evenly spread. An event shorter than a
     /// 300th of the window can pass unseen, if it ends where the motion would have been without it.
     /// [`fit_with`](Self::fit_with) proves the error, if the fourth derivative is bounded.
