@@ -101,7 +101,8 @@
 //! - `live` (default): `Monitor::spawn` runs a monitor on a thread of its own, behind the bounded
 //!   channels of `live`.
 //! - `serde`: scenes, states, queries, screenings, options of covers and live monitors, commands, events, snapshots, conflicts
-//!   and their parts implement `Serialize` and `Deserialize`.
+//!   and their parts implement `Serialize` and `Deserialize`. Before version 1.0 a minor version may change their form;
+//!   a recording names its own.
 //! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
 //!   `recording::Replay` replays them, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes the vectors of other libraries.
