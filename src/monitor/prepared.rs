@@ -129,6 +129,7 @@ impl<'m> PreparedBodies<'m> {
         let trials = SliceTrials {
             lifetimes: &self.memory.lifetimes,
             frame: self.table.frame,
+            limits: self.limits,
             instructions: InstructionSet::best(),
             pool: self.pool,
         };

@@ -258,6 +258,7 @@ impl PreparedScene<'_> {
         let trials = SliceTrials {
             lifetimes: &self.lifetimes,
             frame: &self.frame,
+            limits: self.limits,
             instructions: self.instructions,
             pool: self.pool,
         };
@@ -367,6 +368,7 @@ mod tests {
     use crate::query::Query;
     use crate::scene::{Body, Scene};
     use crate::trajectory::{State, Trajectory};
+    use crate::window::Window;
     use glam::DVec3;
 
     /// Two fleets that fly opposite ways, each 1 m apart. Boxes of some metres overlap nearly all
@@ -390,5 +392,27 @@ mod tests {
         }
         let slices = scene.cheapest_slices(&Query::default());
         assert!(slices.is_ok_and(|count| count > 1_000));
+    }
+
+    /// A convoy and parked bodies, 10 m apart each, for a day. In any slice the boxes of the convoy overlap each other:
+    /// short slices have as many candidates as long ones.
+    #[test]
+    fn a_convoy_beside_parked_bodies_gets_few_slices() {
+        let mut scene = Scene::new();
+        for number in 0..400 {
+            let place = DVec3::new(f64::from(number % 20), f64::from(number / 20), 0.0) * 10.0;
+            let convoy = State::new(0.0, place + 1e4 * DVec3::X, 30.0 * DVec3::X);
+            let plans = [Trajectory::at_rest(place), Trajectory::coasting(convoy)];
+            let [Ok(parked), Ok(convoy)] = plans else {
+                unreachable!("the numbers are finite")
+            };
+            for plan in [parked, convoy] {
+                assert!(scene.insert(Body::new(plan)).is_ok());
+            }
+        }
+        let day = Window::new(0.0, 86_400.0);
+        let query = day.map(|day| Query::new(day).with_margin(4.0));
+        let slices = query.and_then(|query| scene.cheapest_slices(&query));
+        assert!(slices.is_ok_and(|count| count <= 8));
     }
 }

@@ -6,7 +6,7 @@
 //! candidates found, and the growth of boxes with time, give the cheapest length, which is then
 //! tried in turn.
 
-use super::{FormBounds, Lifetimes, SceneStatistics, SearchScratch, TimeSlices};
+use super::{FormBounds, Lifetimes, Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
 use crate::broad_phase::{CandidateLimit, Everyone, Method};
 use crate::narrow_phase::approaching;
@@ -61,6 +61,8 @@ struct Trial {
     /// Mean extent of a box, and its part that does not shrink with the slice (frame's unit).
     extents: [f64; 3],
     least: f64,
+    /// True if there were more candidates than were listed.
+    is_cut_off: bool,
 }
 
 /// Growth of counts with the length of a slice, as powers of it.
@@ -108,6 +110,11 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
+    /// Returns true if there is room for the candidates of a slice: it need not be divided.
+    fn fits(&self, limits: Limits) -> bool {
+        !self.is_cut_off && self.candidates < limits.candidates as f64
+    }
+
     /// Returns true if comparisons dominate. If boxes are so long that nearly all overlap, slices
     /// some times shorter show no gain yet; only far shorter ones do.
     fn is_crowded(&self) -> bool {
@@ -137,12 +144,54 @@ impl Trial {
     }
 }
 
+/// Slices of one length, with their trial and its cost for the whole window.
+struct Tried {
+    slices: TimeSlices,
+    trial: Trial,
+    cost: f64,
+}
+
+impl Tried {
+    fn new(slices: TimeSlices, trial: Trial) -> Self {
+        let cost = trial.cost(1.0, &Growth::ASSUMED) * f64::from(slices.count());
+        Self {
+            slices,
+            trial,
+            cost,
+        }
+    }
+
+    /// Returns the cost and the slices of a far longer length that is cheaper, if there is one. Where boxes are so
+    /// long that those of all bodies of a group overlap, there are as many candidates in longer slices, and so fewer in
+    /// all.
+    fn longer(
+        &self,
+        limits: Limits,
+        attempt: impl Fn(TimeSlices) -> Self,
+    ) -> Option<(f64, TimeSlices)> {
+        /// Change of length from one trial to the next, as a factor.
+        const LONGER: f64 = 8.0;
+        let mut cheapest = None;
+        let (mut slices, mut least) = (self.slices, self.cost);
+        while slices.count() > 1 {
+            let tried = attempt(slices.with_count(f64::from(slices.count()) / LONGER));
+            if tried.cost >= least || !tried.trial.fits(limits) {
+                break;
+            }
+            (slices, least) = (tried.slices, tried.cost);
+            cheapest = Some((least, slices));
+        }
+        cheapest
+    }
+}
+
 /// Bodies, of which a sample is put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
     /// Lifetimes of all bodies.
     pub(crate) lifetimes: &'a Lifetimes,
     pub(crate) frame: &'a MovingFrame,
+    pub(crate) limits: Limits,
     pub(crate) instructions: InstructionSet,
     pub(crate) pool: &'a Pool<SearchScratch>,
 }
@@ -179,15 +228,28 @@ impl SliceTrials<'_> {
         let sampled = sources(&sample);
         let lifetimes = self.lifetimes.of_some(&sample);
         let whole = bodies as f64 / sample.len() as f64;
-        let mut last: Option<(Trial, f64)> = None;
-        // The cheapest crowded slices.
-        let mut crowded: Option<(f64, TimeSlices)> = None;
-        for _ in 0..MAX_TRIALS {
+        let attempt = |slices: TimeSlices| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
-            let trial = self.trial(&lifetimes, &sampled, &slices, whole, cubics);
-            let most = statistics.most_slices(window).min(spans / trial.near);
+            Tried::new(
+                slices,
+                self.trial(&lifetimes, &sampled, &slices, whole, cubics),
+            )
+        };
+        let mut last: Option<(Trial, f64)> = None;
+        // The cheapest crowded slices, and those that are far longer than the first ones and cheaper.
+        let (mut crowded, mut longer): (Option<(f64, TimeSlices)>, _) = (None, None);
+        let mut expected = f64::INFINITY;
+        for number in 0..MAX_TRIALS {
+            let tried = attempt(slices);
+            let useful = statistics.most_slices(window);
             let count = f64::from(slices.count());
-            let cost = trial.cost(1.0, &Growth::ASSUMED) * count;
+            // Slices somewhat shorter show no gain, or are none that may be tried.
+            if number == 0 && (tried.trial.is_crowded() || count + 1.0 > useful) {
+                longer = tried.longer(self.limits, attempt);
+            }
+            let Tried { trial, cost, .. } = tried;
+            expected = cost;
+            let most = useful.min(spans / trial.near);
             let least = crowded.map_or(f64::INFINITY, |(cost, _)| cost);
             if trial.is_crowded() && last.is_none() {
                 if cost < least {
@@ -200,7 +262,7 @@ impl SliceTrials<'_> {
                 }
             }
             if let Some((_, before)) = crowded.filter(|_| cost > least) {
-                slices = before;
+                (slices, expected) = (before, least);
                 break;
             }
             let growth = last.as_ref().map_or(Growth::ASSUMED, |(last, factor)| {
@@ -214,12 +276,15 @@ impl SliceTrials<'_> {
             }
             let next = slices.with_count((count / factor).min(most));
             let settled = turned || SETTLED.contains(&factor) || next.count() == slices.count();
+            expected = count * trial.cost(count / f64::from(next.count()), &growth);
             slices = next;
             if settled {
                 break;
             }
             last = Some((trial, factor));
         }
+        let longer = longer.filter(|&(cost, _)| cost < expected);
+        let slices = longer.map_or(slices, |(_, slices)| slices);
         slices.shared_evenly()
     }
 
@@ -244,7 +309,7 @@ impl SliceTrials<'_> {
             ..
         } = &mut *scratch;
         let (mut boxes, mut found, mut near, mut shares) = (0.0, 0.0, 0.0, 0.0);
-        let mut extents = [0.0; 3];
+        let (mut extents, mut is_cut_off) = ([0.0; 3], false);
         for place in 0..places {
             let share = (f64::from(place) + 0.5) / f64::from(places);
             let first = slices.number_at(share);
@@ -262,6 +327,7 @@ impl SliceTrials<'_> {
             let room = CandidateLimit::new(&Everyone, MAX_CANDIDATES);
             let method = (Method::Sweep, self.instructions);
             methods.pairs(method, &slice.boxes, &room, candidates);
+            is_cut_off |= room.is_exceeded();
             let interval = slices.interval(first);
             for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);
@@ -292,6 +358,7 @@ impl SliceTrials<'_> {
             cubics,
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / sources.len() as f64,
+            is_cut_off,
         }
     }
 }

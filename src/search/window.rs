@@ -10,7 +10,7 @@ use super::{
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter};
-use crate::count::short;
+use crate::count::{as_f64, short};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -225,7 +225,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// Searches a slice, or a part of one, with many candidates per box. It is halved while the
     /// halves have fewer candidates in all. Candidates shrink with boxes, until these are as large
     /// as hitboxes and the margin. Overlaps that remain are a crowd, which may fit the limits as a
-    /// whole.
+    /// whole. So do those of bodies that fly side by side, whose boxes overlap however long they are.
     fn divide<F: PairFilter>(
         &self,
         (interval, slice): ((f64, f64), &SliceBounds),
@@ -252,13 +252,22 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let whole = BoxSizes::of(&slice.boxes);
         let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));
         let both = sizes.fold(BoxSizes::default(), BoxSizes::and);
-        if halves.slices.is_empty() || !both.makes_fewer_pairs_than(&whole) {
+        let has_fewer = !halves.slices.is_empty() && both.makes_fewer_pairs_than(&whole);
+        if !has_fewer || !self.shows_fewer_pairs(&halves, slice, filter, scratch) {
             let mut candidates = Vec::new();
             let room = self.limits.candidates;
             if self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
-                stats.candidates += candidates.len() as u64;
-                stats.spans += self.refine(slice, (interval, &candidates), filter, scratch)?;
-                return Ok(());
+                let before = scratch.found.clone();
+                match self.refine(slice, (interval, &candidates), filter, scratch) {
+                    Ok(examined) => {
+                        stats.candidates += candidates.len() as u64;
+                        stats.spans += examined;
+                        return Ok(());
+                    }
+                    Err(exceeded) if !has_fewer => return Err(exceeded),
+                    // Bodies may be near each other in fewer pairs within the halves.
+                    Err(_) => scratch.found = before,
+                }
             }
             if halves.slices.is_empty() || !both.is_below(2.0 * LESS, &whole) {
                 return Err(LimitExceeded);
@@ -280,6 +289,33 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             }
         }
         Ok(())
+    }
+
+    /// Returns true if the halves of a slice have far fewer candidates than twice its own in a sample of the bodies, or
+    /// if it has more than the limit.
+    fn shows_fewer_pairs<F: PairFilter>(
+        &self,
+        halves: &SliceBlock,
+        slice: &SliceBounds,
+        filter: &F,
+        scratch: &mut SearchScratch,
+    ) -> bool {
+        /// Largest share of twice the candidates that counts as far fewer.
+        const FEWER: f64 = 0.75;
+        let sampled = u64::from(SliceBounds::SAMPLED_OF);
+        let room = self.limits.candidates / (sampled * sampled);
+        let mut count = |slice: &SliceBounds| {
+            let (sample, mut candidates) = (slice.sample(), Vec::new());
+            self.list_pairs(&mut scratch.methods, &sample, room, filter, &mut candidates)
+                .then(|| as_f64(candidates.len()))
+        };
+        let Some(whole) = count(slice) else {
+            return true;
+        };
+        let halves = halves.slices.iter().map(count);
+        halves
+            .sum::<Option<f64>>()
+            .is_some_and(|halves| halves < FEWER * 2.0 * whole)
     }
 
     /// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
