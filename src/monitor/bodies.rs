@@ -6,14 +6,13 @@ use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
-use crate::scene::{HeightRange, Scene};
+use crate::scene::{Scene, SceneEntry};
 use crate::search::{
     Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
     SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
-use glam::DVec3;
 use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
@@ -97,20 +96,16 @@ impl<'m> BodyTable<'m> {
         self.monitored.view(self.scene, slot)
     }
 
-    /// Returns the heights of a body between two instants (s) along a normal, if they are known at once.
+    /// Returns the body in a slot, and true if its plan alone does not tell its [heights](crate::scene::HeightRange) up
+    /// to an instant (s).
     #[inline]
-    pub(super) fn heights(
-        &self,
-        slot: u32,
-        interval: (f64, f64),
-        normal: DVec3,
-    ) -> Option<HeightRange> {
+    pub(super) fn entry(&self, slot: u32, until: f64) -> Option<(&'m SceneEntry, bool)> {
         let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
         // Beyond the instant up to which it is followed, a plan may go anywhere.
         let is_extended =
-            interval.1 > monitored.until() || monitored.knots(&body.trajectory).need_plan();
+            until > monitored.until() || monitored.knots(&body.trajectory).need_plan();
         let (_, entry) = self.scene.in_slot(slot)?;
-        HeightRange::of(entry, is_extended, interval, normal)
+        Some((entry, is_extended))
     }
 
     /// Returns the source of a body's boxes; without a partner, that of a body that never exists.

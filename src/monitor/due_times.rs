@@ -28,8 +28,13 @@ impl DueTimes {
 
     /// Returns true if a slot is due at some time.
     pub(super) fn has(&self, slot: u32) -> bool {
-        let due = self.due.get(slot as usize);
-        due.is_some_and(|&due| due < f64::INFINITY)
+        self.at(slot) < f64::INFINITY
+    }
+
+    /// Returns the instant at which a slot is due, s; infinite if never.
+    pub(super) fn at(&self, slot: u32) -> f64 {
+        let due = self.due.get(slot as usize).copied();
+        due.unwrap_or(f64::INFINITY)
     }
 
     /// Takes out the slots that are due by `time` (s): calls `visit` with each, in the order of slots, and

@@ -1,9 +1,9 @@
 //! Half-spaces against all other bodies of a monitor: no slice has boxes of them.
 //!
 //! A body is compared with the half-spaces when it changes, from the clock to some time ahead, and
-//! again when the lookahead reaches that time. So in most ticks few bodies are compared. When a
-//! half-space changes, all bodies are: first by the ends of their straight motions, or the box of
-//! their plan, then span by span.
+//! again when the lookahead reaches that time. So in most ticks few bodies are compared. When
+//! half-spaces change, all bodies are compared with these: first by the ends of their straight
+//! motions, or the box of their plan, then span by span.
 
 use super::admission::SlotAdmission;
 use super::bodies::BodyTable;
@@ -14,57 +14,58 @@ use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{earliest_exact, exact_interval};
 use crate::scene::HeightRange;
-use crate::search::LimitExceeded;
+use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, in_order, spans};
+use glam::DVec3;
+use std::cell::LazyCell;
 
 /// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
-    /// Slots of half-spaces, ascending, as of the last call of [`note`](Self::note).
-    planes: Vec<u32>,
-    /// Heights of each half-space along its normal, in the interval that is searched.
-    ground: Vec<Option<HeightRange>>,
-    /// Instant up to which each body is compared, s: it is due again then.
+    /// Slots of half-spaces that have changed, ascending: they are compared with all bodies that are to be compared.
+    changed: Vec<u32>,
+    /// Instant up to which each body is compared with the other half-spaces, s: it is due again then.
     due: DueTimes,
-    /// Memory of [`list_spans`](Self::list_spans): slots that are due, each with the instant up to which it is compared (s).
-    taken: Vec<(f64, u32)>,
     /// Slots to be compared from the clock on, and the place of the next one in this list.
     to_compare: Vec<u32>,
     next: usize,
+    /// Memory of [`list_spans`](Self::list_spans): slots that are due, each with the instant up to which it is compared (s).
+    taken: Vec<(f64, u32)>,
+    /// Memory of [`list_spans`](Self::list_spans): all half-spaces, and those that have changed.
+    all_planes: Vec<PlaneHeights>,
+    changed_planes: Vec<PlaneHeights>,
 }
 
 impl HalfSpaceSearch {
-    /// Returns true if there is no half-space.
-    pub(super) const fn is_idle(&self) -> bool {
-        self.planes.is_empty()
-    }
-
-    /// Notes that bodies have changed.
+    /// Notes that bodies have changed: each has, that is or was a half-space and was not so before.
     pub(super) fn note(&mut self, bodies: &MonitoredBodies, changed: &[u32]) {
         let planes = bodies.half_spaces();
-        if planes.is_empty() && self.planes.is_empty() {
+        if planes.is_empty() {
+            // The first one will be compared with all bodies.
+            *self = Self::default();
             return;
         }
         let is_plane = |slot: &u32| planes.binary_search(slot).is_ok();
-        if planes != self.planes || changed.iter().any(is_plane) {
-            self.planes.clear();
-            self.planes.extend_from_slice(planes);
-            self.compare_all(if planes.is_empty() { 0 } else { bodies.len() });
-            return;
-        }
+        let known = self.changed.len();
+        self.changed
+            .extend(changed.iter().copied().filter(is_plane));
         self.to_compare.drain(..self.next);
-        self.to_compare.extend_from_slice(changed);
-        self.to_compare.sort_unstable();
-        self.to_compare.dedup();
         self.next = 0;
-    }
-
-    /// Compares all bodies from the clock on.
-    fn compare_all(&mut self, slots: usize) {
-        self.due = DueTimes::default();
-        self.to_compare.clear();
-        self.to_compare.extend((0_u32..).take(slots));
-        self.next = 0;
+        if self.changed.len() > known {
+            self.to_compare.clear();
+            self.to_compare.extend((0_u32..).take(bodies.len()));
+        } else {
+            self.to_compare.extend_from_slice(changed);
+            self.to_compare.sort_unstable();
+            self.to_compare.dedup();
+        }
+        self.changed.retain(is_plane);
+        self.changed.sort_unstable();
+        self.changed.dedup();
+        for &slot in changed {
+            // It is compared with no half-space yet.
+            self.due.set(slot, f64::NEG_INFINITY);
+        }
     }
 
     /// Lists the spans that are not listed yet in which a half-space and another body may be in
@@ -82,14 +83,15 @@ impl HalfSpaceSearch {
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed.
         let until = to + (to - from);
-        self.ground.clear();
-        self.ground.extend(self.planes.iter().map(|&plane| {
-            let normal = bodies.scene.in_slot(plane)?.1.body.hitbox.normal()?;
-            bodies.heights(plane, (since, until), normal)
-        }));
+        for (planes, slots) in [
+            (&mut self.all_planes, bodies.monitored.half_spaces()),
+            (&mut self.changed_planes, &self.changed),
+        ] {
+            let in_interval = |&slot: &u32| PlaneHeights::of(bodies, slot, (since, until));
+            planes.clear();
+            planes.extend(slots.iter().filter_map(in_interval));
+        }
         let mut search = PlaneSearch {
-            planes: &self.planes,
-            ground: &self.ground,
             bodies,
             ahead,
             since,
@@ -102,13 +104,19 @@ impl HalfSpaceSearch {
             if work.meter.is_spent() || search.filter.gives_up() {
                 return Ok(from);
             }
-            let next = search.list(slot, since)?;
+            let due = self.due.at(slot);
+            let next = if due > horizon {
+                search.list(slot, &self.changed_planes, since)?.min(due)
+            } else {
+                search.list(slot, &self.all_planes, since)?
+            };
             self.due.set(slot, next.max(horizon.next_up()));
             self.next += 1;
             work.meter.count(1);
         }
         self.to_compare.clear();
         self.next = 0;
+        self.changed.clear();
         let taken = &mut self.taken;
         taken.clear();
         self.due
@@ -121,7 +129,7 @@ impl HalfSpaceSearch {
                 self.due.set(slot, since);
                 continue;
             }
-            let next = search.list(slot, since)?;
+            let next = search.list(slot, &self.all_planes, since)?;
             self.due.set(slot, next.max(horizon.next_up()));
             work.meter.count(1);
         }
@@ -129,10 +137,33 @@ impl HalfSpaceSearch {
     }
 }
 
+/// A half-space, and its heights along its normal in the interval that is searched.
+#[derive(Debug)]
+struct PlaneHeights {
+    slot: u32,
+    normal: DVec3,
+    /// Model error, m.
+    model_error: f64,
+    /// None if they are not known at once.
+    heights: Option<HeightRange>,
+}
+
+impl PlaneHeights {
+    /// Returns the half-space in a slot with its heights between two instants (s).
+    fn of(bodies: &BodyTable<'_>, slot: u32, interval: (f64, f64)) -> Option<Self> {
+        let (entry, is_extended) = bodies.entry(slot, interval.1)?;
+        let normal = entry.body.hitbox.normal()?;
+        Some(Self {
+            slot,
+            normal,
+            model_error: entry.body.model_error(),
+            heights: HeightRange::of(entry, is_extended, interval, normal),
+        })
+    }
+}
+
 /// The comparison of bodies with half-spaces.
 struct PlaneSearch<'s> {
-    planes: &'s [u32],
-    ground: &'s [Option<HeightRange>],
     bodies: &'s BodyTable<'s>,
     /// Instant up to which turning bodies are solved, s.
     ahead: f64,
@@ -147,21 +178,41 @@ struct PlaneSearch<'s> {
 }
 
 impl PlaneSearch<'_> {
-    /// Lists the spans of a body from an instant (s) on. Returns when it is to be compared again,
+    /// Lists the spans of a body with some half-spaces from an instant (s) on. Returns when it is to be compared again,
     /// infinity if never.
-    fn list(&mut self, slot: u32, since: f64) -> Result<f64, LimitExceeded> {
+    fn list(
+        &mut self,
+        slot: u32,
+        planes: &[PlaneHeights],
+        since: f64,
+    ) -> Result<f64, LimitExceeded> {
         let mut next = f64::INFINITY;
-        for (&plane, ground) in self.planes.iter().zip(self.ground) {
-            if since >= self.since && self.is_clear(slot, (plane, ground.as_ref()), since) {
+        let Some((entry, is_extended)) = self.bodies.entry(slot, self.until) else {
+            return Ok(next);
+        };
+        if entry.body.hitbox.is_half_space() {
+            return Ok(next);
+        }
+        let (bodies, interval) = (self.bodies, (since, self.until));
+        let reach = entry.body.shape().reach();
+        // Returns true if the body is certainly above a half-space as far as it is compared.
+        let is_clear = |plane: &PlaneHeights| {
+            plane.heights.as_ref().is_some_and(|ground| {
+                let heights = HeightRange::of(entry, is_extended, interval, plane.normal);
+                // The reach contains the model error of the body, not that of the half-space.
+                let reach = reach + plane.model_error;
+                heights.is_some_and(|heights| heights.is_above(ground, reach, bodies.margin))
+            })
+        };
+        let body = LazyCell::new(|| bodies.view(slot));
+        for plane in planes {
+            if since >= self.since && is_clear(plane) {
                 next = next.min(self.until);
                 continue;
             }
-            let views = [slot, plane].map(|slot| self.bodies.get(slot));
-            let [Some(body), Some(ground)] = views else {
-                continue;
-            };
-            let [(first, a), (second, b)] = in_order((slot, &body), (plane, &ground));
-            if body.is_half_space() || !self.filter.admits(first, second) {
+            let ground = bodies.view(plane.slot);
+            let [(first, a), (second, b)] = in_order((slot, &*body), (plane.slot, &ground));
+            if !self.filter.admits(first, second) {
                 continue;
             }
             next = next.min(self.list_pair((first, second), (a, b), since));
@@ -170,28 +221,6 @@ impl PlaneSearch<'_> {
             }
         }
         Ok(next)
-    }
-
-    /// Returns true if a body is certainly above a half-space as far as it is compared.
-    fn is_clear(
-        &self,
-        slot: u32,
-        (plane, ground): (u32, Option<&HeightRange>),
-        since: f64,
-    ) -> bool {
-        let scene = self.bodies.scene;
-        let entries = [slot, plane].map(|slot| scene.in_slot(slot));
-        let (Some(ground), [Some((_, entry)), Some((_, plane))]) = (ground, entries) else {
-            return false;
-        };
-        let Some(normal) = plane.body.hitbox.normal() else {
-            return false;
-        };
-        let heights = self.bodies.heights(slot, (since, self.until), normal);
-        // The reach contains the model error of the body, not that of the half-space.
-        let reach = entry.body.shape().reach() + plane.body.shape().model_error();
-        !entry.body.hitbox.is_half_space()
-            && heights.is_some_and(|heights| heights.is_above(ground, reach, self.bodies.margin))
     }
 
     /// Lists the spans of a pair from an instant (s) on. Returns when it is to be compared again.

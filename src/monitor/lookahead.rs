@@ -253,7 +253,7 @@ impl LookaheadSearch {
         loop {
             self.survivors.clear();
             let mut known = to;
-            if !self.half_spaces.is_idle() {
+            if !self.monitored.half_spaces().is_empty() {
                 // First: slices, and the search over a jump, go on no farther than half-spaces are known.
                 let begin = Instant::now();
                 let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);

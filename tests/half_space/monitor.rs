@@ -143,6 +143,139 @@ fn monitors_say_what_screenings_say() {
     assert!(found > 5_000 && asked > 200, "{found} {asked}");
 }
 
+/// A half-space some way off the bodies, or through them, that may come nearer.
+fn moving_wall(rng: &mut ChaCha8Rng, now: f64) -> nearmiss::Body {
+    let normal = vector(rng, 1.0).normalize();
+    let wall = Hitbox::half_space(normal).unwrap();
+    nearmiss::Body::new(Trajectory::coasting(wall_state(rng, normal, now)).unwrap())
+        .with_hitbox(wall)
+}
+
+fn wall_state(rng: &mut ChaCha8Rng, normal: DVec3, now: f64) -> State {
+    let distance = rng.random_range(5.0..40.0);
+    let speed = [0.0, 1.0, 6.0][rng.random_range(0..3)];
+    State::new(now, -distance * normal, speed * normal + vector(rng, 0.1))
+}
+
+/// Changes a half-space in one of all ways; now and then another body becomes one, or is changed as well.
+fn change_wall(monitor: &mut Monitor, ids: &mut Vec<BodyId>, rng: &mut ChaCha8Rng, now: f64) {
+    let normal_of = |monitor: &Monitor, id| monitor.scene().body(id).unwrap().hitbox.normal();
+    let walls = ids
+        .iter()
+        .filter(|&&id| normal_of(monitor, id).is_some())
+        .count();
+    let number = rng.random_range(0..walls.max(1));
+    let mut places = (0..ids.len()).filter(|&place| normal_of(monitor, ids[place]).is_some());
+    let Some(place) = places.nth(number).filter(|_| walls > 4) else {
+        ids.push(monitor.insert(moving_wall(rng, now)).unwrap());
+        return;
+    };
+    let id = ids[place];
+    let state = wall_state(rng, normal_of(monitor, id).unwrap(), now);
+    let plan = Trajectory::coasting(state).unwrap();
+    match rng.random_range(0..9) {
+        0 => ids.push(monitor.insert(moving_wall(rng, now)).unwrap()),
+        1 => drop(monitor.remove(ids.swap_remove(place)).unwrap()),
+        2 => monitor.set_trajectory(id, plan).unwrap(),
+        3 => drop(monitor.replan(id, now + 0.4, plan)),
+        4 => monitor
+            .set_model_error(id, rng.random_range(0.0..0.4))
+            .unwrap(),
+        5 => {
+            let hitbox = Hitbox::half_space(vector(rng, 1.0).normalize()).unwrap();
+            drop(monitor.set_hitbox(ids[rng.random_range(0..ids.len())], hitbox));
+        }
+        6 => {
+            monitor
+                .set_hitbox(id, Hitbox::sphere(0.3).unwrap())
+                .unwrap();
+        }
+        _ => drop(monitor.track(now, [(id, state)])),
+    }
+    if rng.random_bool(0.3) {
+        let id = ids[rng.random_range(0..ids.len())];
+        drop(monitor.track(now, [(id, coasting(rng, now))]));
+    }
+}
+
+/// Compares all bodies with all half-spaces again: each of these gets the trajectory that it has.
+fn tell_all_walls(monitor: &mut Monitor, ids: &[BodyId]) {
+    for &id in ids {
+        let body = monitor.scene().body(id).unwrap();
+        if body.hitbox.normal().is_some() {
+            let plan = body.trajectory.clone();
+            monitor.set_trajectory(id, plan).unwrap();
+        }
+    }
+}
+
+/// Where some half-spaces change, the others are met as before: the monitor says what a screening
+/// says, and has the events of one that compares all again in each tick.
+#[test]
+fn half_spaces_that_change_leave_the_others_known() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let rng = &mut rng;
+    let (mut monitor, mut ids) = monitor_of(rng, 40);
+    let mut anew = Monitor::restore(monitor.snapshot()).unwrap();
+    let (mut events, mut expected_events) = (Vec::new(), Vec::new());
+    let (mut now, mut found, mut reported) = (0.0, 0, 0);
+    for tick in 0..250 {
+        now += match tick % 50 {
+            49 => 6.0,
+            _ => rng.random_range(0.0..0.3),
+        };
+        if rng.random_bool(0.7) {
+            let [mut one, mut other] = [tick; 2].map(ChaCha8Rng::seed_from_u64);
+            let mut same_ids = ids.clone();
+            change_wall(&mut monitor, &mut ids, &mut one, now);
+            change_wall(&mut anew, &mut same_ids, &mut other, now);
+            assert_eq!(ids, same_ids);
+        }
+        tell_all_walls(&mut anew, &ids);
+        events.clear();
+        expected_events.clear();
+        monitor.advance(now, &mut events).unwrap();
+        anew.advance(now, &mut expected_events).unwrap();
+        let expected = screened(&monitor);
+        assert_eq!(monitor.conflicts(0).unwrap(), expected, "{tick} {now}");
+        // Of a trajectory that is set again, the end is reported again.
+        for events in [&mut events, &mut expected_events] {
+            events.retain(|event| !matches!(event.kind, EventKind::PlanEnds { .. }));
+        }
+        assert_eq!(events, expected_events, "{tick} {now}");
+        found += expected.len();
+        reported += events.len();
+    }
+    assert!(found > 5_000 && reported > 1_000, "{found} {reported}");
+}
+
+/// The same within budgets that run out while bodies are compared: what is known is right, and in the end all is.
+#[test]
+fn half_spaces_that_change_while_others_are_compared_are_met() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let rng = &mut rng;
+    let (mut monitor, mut ids) = monitor_of(rng, 100);
+    let (mut events, mut behind, mut found) = (Vec::new(), 0, 0);
+    for tick in 0..400 {
+        let now = 0.03 * f64::from(tick);
+        if tick % 9 < 3 {
+            let clock = monitor.now();
+            change_wall(&mut monitor, &mut ids, rng, clock);
+        }
+        let budget = Budget::Work(rng.random_range(1..200));
+        monitor.advance_within(now, budget, &mut events).unwrap();
+        behind += usize::from(monitor.complete_until() <= now);
+        if monitor.complete_until() > now {
+            let expected = screened(&monitor);
+            assert_eq!(monitor.conflicts(0).unwrap(), expected, "{tick}");
+            found += expected.len();
+        }
+    }
+    monitor.advance(12.0, &mut events).unwrap();
+    assert_eq!(monitor.conflicts(0).unwrap(), screened(&monitor));
+    assert!(behind > 20 && found > 1_000, "{behind} {found}");
+}
+
 /// With budgets, whatever is known is right, and in the end all is; any number of threads does the
 /// same.
 #[test]
