@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 /// The kinds of bodies in a scene: the number of bodies with each layers, and the largest radius.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kinds {
-    /// By membership and filter of a kind: the number of bodies, and true if they have a partner.
-    layers: BTreeMap<(u32, u32), (usize, bool)>,
-    /// Upper bound of the radii of all bodies so far, m.
+    /// By membership and filter of a kind: the number of bodies, and true if they have a partner; none of a new kind.
+    layers: BTreeMap<(u32, u32), (usize, Option<bool>)>,
+    /// Upper bound of the radii of all bodies so far, m: see [`rounded_up`].
     largest: f64,
     /// True if a body so far had a model error.
     pub(super) has_model_errors: bool,
-    /// Changes when a kind gets its first partner or loses the last one.
+    /// Changes when a kind gets its first partner or loses the last one, but not with the first body of a kind.
     version: u64,
 }
 
@@ -33,7 +33,7 @@ impl Kinds {
 
     /// Includes the hitbox and the model error of a body.
     pub(super) fn add_shape(&mut self, body: &Body) {
-        self.largest = self.largest.max(radius(body));
+        self.largest = self.largest.max(rounded_up(radius(body)));
         self.has_model_errors |= body.model_error() > 0.0;
     }
 
@@ -83,7 +83,8 @@ impl Kinds {
                 own.admits(other) && (own != other || count > 1)
             };
             let found = are_many || known.iter().any(admits);
-            self.version += u64::from(std::mem::replace(has_partner, found) != found);
+            let before = has_partner.replace(found);
+            self.version += u64::from(before.is_some_and(|before| before != found));
         }
     }
 }
@@ -100,7 +101,7 @@ pub(crate) struct Partners<'s> {
 impl<'s> Partners<'s> {
     /// Returns the test for bodies of these kinds and a margin (m).
     pub(super) fn of(kinds: &'s Kinds, margin: f64) -> Self {
-        let mut layers = kinds.layers.values().map(|&(_, has_partner)| has_partner);
+        let mut layers = kinds.layers.values().map(|kind| kind.1 == Some(true));
         let first = layers.next();
         // Beyond some number none is looked for.
         let are_alike = layers.take(Kinds::MANY).all(|other| Some(other) == first);
@@ -117,7 +118,7 @@ impl<'s> Partners<'s> {
         }
         let of_layers = || {
             let key = (body.layers.membership, body.layers.filter);
-            let is_partner = || self.kinds.layers.get(&key).is_some_and(|kind| kind.1);
+            let is_partner = || self.kinds.layers.get(&key).and_then(|kind| kind.1) == Some(true);
             self.kinds.layers.len() > Kinds::MANY || is_partner()
         };
         self.all.unwrap_or_else(of_layers)
@@ -144,6 +145,18 @@ pub(crate) fn radius(body: &Body) -> f64 {
     reach + body.model_error()
 }
 
+/// Returns an upper bound of a radius (m), less than a 64th larger. A scene has few different ones: whenever the largest
+/// changes, a monitor goes through all bodies.
+fn rounded_up(radius: f64) -> f64 {
+    /// Bits of the mantissa that may differ between bounds.
+    const BITS: u32 = 6;
+    if radius == f64::INFINITY {
+        return radius;
+    }
+    let others = (1 << (f64::MANTISSA_DIGITS - 1 - BITS)) - 1;
+    f64::from_bits(radius.to_bits() | others)
+}
+
 /// Returns false if two radii and a margin (m) certainly add up to less than zero.
 pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
     let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
@@ -159,13 +172,20 @@ mod tests {
     use crate::trajectory::Trajectory;
     use glam::DVec3;
 
+    fn rest() -> Body {
+        Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap())
+    }
+
+    fn ball(radius: f64) -> Body {
+        rest().with_hitbox(Hitbox::sphere(radius).unwrap())
+    }
+
     /// Whoever sees another version goes through all bodies: not for each body that is larger than all before it.
     #[test]
     fn a_larger_body_is_another_version_where_radii_count() {
         let mut kinds = Kinds::default();
-        let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
         let mut version_with = |radius: f64, margin: f64| {
-            kinds.add(&rest.clone().with_hitbox(Hitbox::sphere(radius).unwrap()));
+            kinds.add(&ball(radius));
             Partners::of(&kinds, margin).version()
         };
         // The first two are partners from the second one on.
@@ -177,6 +197,77 @@ mod tests {
             let larger = version_with(radius, margin);
             assert_eq!(before != larger, changes, "{margin}");
             assert_eq!(larger, version_with(radius, margin));
+        }
+    }
+
+    /// Few versions, however many bodies are a little larger than all before; and each version has the partners of all
+    /// bodies that there are.
+    #[test]
+    fn slowly_rising_radii_are_few_versions() {
+        const MARGIN: f64 = -1.5;
+        let mut kinds = Kinds::default();
+        let (mut versions, mut last, mut small_has_partner) = (0, None, 0);
+        let small = ball(0.6);
+        kinds.add(&small);
+        for number in 0..2_000 {
+            let large = ball(0.5 + 5e-4 * f64::from(number));
+            kinds.add(&large);
+            let partners = Partners::of(&kinds, MARGIN);
+            versions += usize::from(last.replace(partners.version()) != Some(partners.version()));
+            let can_meet = |other: &Body| can_reach(radius(&large), radius(other), MARGIN);
+            assert!(partners.has(&small) || !can_meet(&small), "{number}");
+            assert!(partners.has(&large) || !can_meet(&large), "{number}");
+            small_has_partner += usize::from(partners.has(&small));
+        }
+        // From 0.6 to 1 in steps of a 128th, and to 1.5 in steps of a 64th.
+        assert!((80..=90).contains(&versions), "{versions}");
+        assert!(
+            (1_150..=1_250).contains(&small_has_partner),
+            "{small_has_partner}"
+        );
+    }
+
+    #[test]
+    fn bounds_of_radii_are_a_little_larger() {
+        let mut radius = 1e-300;
+        while radius < 1e300 {
+            let bound = rounded_up(radius);
+            assert!(
+                radius <= bound && bound < radius * (1.0 + 1.0 / 64.0),
+                "{radius}"
+            );
+            assert!(rounded_up(bound).to_bits() == bound.to_bits(), "{radius}");
+            radius *= 1.037;
+        }
+        let ends = [0.0, f64::MAX, f64::INFINITY];
+        assert!(ends.into_iter().all(|end| rounded_up(end) >= end));
+        assert!(rounded_up(0.0) < f64::MIN_POSITIVE && rounded_up(f64::MAX) < f64::INFINITY);
+    }
+
+    /// Nobody has to go through all bodies if one comes and goes whose kind makes no difference to the others.
+    #[test]
+    fn a_kind_of_one_body_is_another_version_if_it_is_a_first_or_last_partner() {
+        let body = |layers| rest().with_layers(layers);
+        for (many, one, changes) in [
+            (Layers::new(1, 3), Layers::new(2, 1), false),
+            (Layers::new(1, 3), Layers::new(4, 4), false),
+            (Layers::new(1, 2), Layers::new(2, 1), true),
+        ] {
+            let mut kinds = Kinds::default();
+            (0..3).for_each(|_| kinds.add(&body(many)));
+            let version = |kinds: &Kinds| Partners::of(kinds, 0.0).version();
+            for _ in 0..3 {
+                let before = version(&kinds);
+                kinds.add(&body(one));
+                let between = version(&kinds);
+                let partners = Partners::of(&kinds, 0.0);
+                assert_eq!(partners.has(&body(one)), one.admits(many), "{one:?}");
+                assert!(partners.has(&body(many)));
+                kinds.remove_layers(one);
+                assert_eq!(before != between, changes, "{one:?}");
+                assert_eq!(between != version(&kinds), changes, "{one:?}");
+                assert_eq!(Partners::of(&kinds, 0.0).has(&body(many)), !changes);
+            }
         }
     }
 }

@@ -1,0 +1,115 @@
+//! Bodies that get partners and lose them: by radii, where the margin is negative, and by layers.
+
+use super::support::{bits, rng, vector};
+use glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, Hitbox, Layers, Monitor, Query, Scene, State, Trajectory, Window,
+};
+use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+
+fn ball(rng: &mut ChaCha8Rng, now: f64, radius: f64) -> Body {
+    let state = State::new(now, vector(rng, 1.0), vector(rng, 0.3));
+    Body::new(Trajectory::coasting(state).unwrap()).with_hitbox(Hitbox::sphere(radius).unwrap())
+}
+
+/// Ticks, and returns the number of conflicts: they are those of a screening of the same bodies in another scene.
+fn checked_tick(monitor: &mut Monitor, now: f64, margin: f64) -> usize {
+    monitor.advance(now, &mut Vec::new()).unwrap();
+    let query = Query::new(Window::new(now, monitor.complete_until()).unwrap());
+    let screened = monitor.scene().screen(&query.with_margin(margin)).unwrap();
+    assert_eq!(monitor.conflicts(0).unwrap(), screened.conflicts, "{now}");
+    // Radii decide nothing there: it has a body that is within reach of all others.
+    let mut all = monitor.scene().clone();
+    let huge = Body::new(Trajectory::at_rest(1e4 * DVec3::X).unwrap());
+    let huge = huge.with_hitbox(Hitbox::sphere(100.0).unwrap());
+    all.insert(huge.with_layers(Layers::ALL)).unwrap();
+    let all = all.screen(&query.with_margin(margin)).unwrap();
+    assert_eq!(bits(&all.conflicts), bits(&screened.conflicts), "{now}");
+    screened.conflicts.len()
+}
+
+/// Small bodies can be in no pair until a body is large enough: bodies are inserted in the order of their radii, one by
+/// one and several together.
+#[test]
+fn a_large_body_gives_small_ones_a_partner() {
+    const MARGIN: f64 = -0.5;
+    let mut rng = rng(32);
+    let mut monitor = Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel::at(MARGIN)]).unwrap();
+    for _ in 0..30 {
+        let radius = rng.random_range(0.1..0.12);
+        monitor.insert(ball(&mut rng, 0.0, radius)).unwrap();
+    }
+    let (mut now, mut of_small, mut alone) = (0.0, 0, 0);
+    for number in 0..120 {
+        let radius = 0.2 + 0.006 * f64::from(number);
+        let count = if number % 7 == 0 { 4 } else { 1 };
+        let more: Vec<Body> = (0..count)
+            .map(|more| ball(&mut rng, now, radius + 1e-5 * f64::from(more)))
+            .collect();
+        let ids = monitor
+            .apply(more.into_iter().map(nearmiss::Command::Insert))
+            .unwrap();
+        if number % 3 > 0 {
+            continue;
+        }
+        now += 0.05;
+        let found = checked_tick(&mut monitor, now, MARGIN);
+        alone += usize::from(found == 0);
+        let radius_of = |id| monitor.scene().body(id).unwrap().hitbox.spheres()[0].radius;
+        let conflicts = monitor.conflicts(0).unwrap().iter();
+        of_small += conflicts
+            .filter(|one| radius_of(one.a).min(radius_of(one.b)) < 0.12)
+            .count();
+        if number % 2 > 0 {
+            monitor.remove(ids[0]).unwrap();
+        }
+    }
+    assert!(of_small > 30 && alone >= 2, "{of_small} {alone}");
+}
+
+/// Kinds of one body come and go, beside one of many bodies.
+#[test]
+fn kinds_of_one_body_come_and_go() {
+    const MARGIN: f64 = 0.1;
+    let mut rng = rng(33);
+    for many in [Layers::new(1, 3), Layers::new(1, 2)] {
+        let mut scene = Scene::new();
+        for _ in 0..40 {
+            let body = ball(&mut rng, 0.0, 0.2);
+            scene.insert(body.with_layers(many)).unwrap();
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(MARGIN)]).unwrap();
+        let mut others: Vec<BodyId> = Vec::new();
+        let mut found = 0;
+        for number in 0..100 {
+            let now = 0.05 * f64::from(number);
+            for _ in 0..rng.random_range(0..3) {
+                let layers = [
+                    Layers::new(2, 1),
+                    Layers::new(4, 4),
+                    Layers::new(2, 2),
+                    many,
+                ];
+                let layers = layers[rng.random_range(0..4)];
+                match rng.random_range(0..3) {
+                    0 => {
+                        let body = ball(&mut rng, now, 0.2).with_layers(layers);
+                        others.push(monitor.insert(body).unwrap());
+                    }
+                    1 if !others.is_empty() => {
+                        let gone = others.swap_remove(rng.random_range(0..others.len()));
+                        monitor.remove(gone).unwrap();
+                    }
+                    _ => {
+                        if let Some(&id) = others.last() {
+                            monitor.set_layers(id, layers).unwrap();
+                        }
+                    }
+                }
+            }
+            found += checked_tick(&mut monitor, now, MARGIN);
+        }
+        assert!(found > 100, "{found}");
+    }
+}
