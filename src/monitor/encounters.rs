@@ -108,11 +108,13 @@ impl Saved {
         })
     }
 
-    /// Ends or withdraws the encounters of bodies in some slots, at a time (s).
+    /// Ends or withdraws the encounters of bodies in some slots, ascending, at a time (s).
     pub(super) fn end_of_removed(&mut self, now: f64, removed: &[u32], events: &mut Vec<Event>) {
         self.0.retain(|tracked| {
             let [a, b] = [tracked.encounter.a.slot, tracked.encounter.b.slot];
-            let is_over = removed.contains(&a) || removed.contains(&b);
+            let is_over = [a, b]
+                .iter()
+                .any(|slot| removed.binary_search(slot).is_ok());
             if is_over {
                 events.push(over_at(tracked, now, EndReason::BodyRemoved));
             }

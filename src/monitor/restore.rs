@@ -32,8 +32,10 @@ impl Monitor {
         let mut pending_events = self.pending_events.clone();
         let mut encounters: Vec<Saved> =
             self.encounters.iter().map(EncounterTracker::save).collect();
+        let mut removed = self.removed.clone();
+        removed.sort_unstable();
         for saved in &mut encounters {
-            saved.end_of_removed(self.reported, &self.removed, &mut pending_events);
+            saved.end_of_removed(self.reported, &removed, &mut pending_events);
         }
         Snapshot {
             scene: self.scene.clone(),

@@ -1,9 +1,13 @@
 //! A monitor from a snapshot: what it knows before its first tick, and what it reports from then on.
 
 use super::scenarios::tick;
-use super::support::line;
+use super::support::{line, rng, vector};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Error, Monitor, Scene, Trajectory};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Encounter, EndReason, Error, Event, EventKind, Monitor, Scene,
+    Trajectory,
+};
+use rand::RngExt;
 
 fn pair() -> (Monitor, BodyId) {
     let mut scene = Scene::new();
@@ -49,5 +53,54 @@ fn a_restored_monitor_knows_what_is_said_of_it() {
             assert_eq!(tick(restored, now), expected, "{now}");
             assert_eq!(known(restored), known(&monitor));
         }
+    }
+}
+
+/// Encounters of bodies that are removed end alike, in whichever order these go.
+#[test]
+fn a_snapshot_ends_the_encounters_of_all_removed_bodies() {
+    const COUNT: usize = 60;
+    let mut rng = rng(31);
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..2 * COUNT)
+        .map(|_| {
+            let plan = line(0.0, 90.0, vector(&mut rng, 20.0), vector(&mut rng, 1.0));
+            scene.insert(Body::new(plan)).unwrap()
+        })
+        .collect();
+    let levels = [AlertLevel::at(3.0), AlertLevel::at(6.0)];
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &levels).unwrap();
+    tick(&mut monitor, 0.0);
+    tick(&mut monitor, 1.0);
+    let before = monitor.encounters().count();
+    for number in 0..COUNT {
+        let gone = ids.swap_remove(rng.random_range(0..ids.len()));
+        monitor.remove(gone).unwrap();
+        if number % 10 == 0 || number == COUNT - 1 {
+            let known: Vec<Encounter> = monitor.encounters().copied().collect();
+            let mut restored = Monitor::restore(monitor.snapshot()).unwrap();
+            assert_eq!(restored.encounters().copied().collect::<Vec<_>>(), known);
+            let ends = tick(&mut restored, 1.0);
+            let of_removed = |event: &&Event| {
+                let over = match event.kind {
+                    EventKind::Ended(over, EndReason::BodyRemoved) => over,
+                    EventKind::Withdrawn(over) => over,
+                    _ => return false,
+                };
+                [over.a, over.b]
+                    .iter()
+                    .any(|&id| monitor.scene().body(id).is_none())
+            };
+            assert_eq!(ends.iter().filter(of_removed).count(), before - known.len());
+        }
+    }
+    let mut restored = Monitor::restore(monitor.snapshot()).unwrap();
+    for now in [1.5, 4.0, 20.0] {
+        let expected = tick(&mut monitor, now);
+        let ends = expected
+            .iter()
+            .filter(|event| matches!(event.kind, EventKind::Ended(_, EndReason::BodyRemoved)));
+        assert!(now > 1.5 || ends.count() > 50);
+        assert_eq!(tick(&mut restored, now), expected, "{now}");
     }
 }
