@@ -122,6 +122,12 @@ impl Trial {
         self.candidates * cost::CANDIDATE > MAX * self.boxes * cost::BOX
     }
 
+    /// Returns true if boxes have so many candidates that those of whole groups may overlap.
+    fn has_many_candidates(&self) -> bool {
+        const MANY: f64 = 4.0;
+        self.candidates > MANY * self.boxes
+    }
+
     /// Returns the volume of a mean box in a slice `factor` times as long.
     fn volume(&self, factor: f64) -> f64 {
         self.extents
@@ -243,8 +249,8 @@ impl SliceTrials<'_> {
             let tried = attempt(slices);
             let useful = statistics.most_slices(window);
             let count = f64::from(slices.count());
-            // Slices somewhat shorter show no gain, or are none that may be tried.
-            if number == 0 && (tried.trial.is_crowded() || count + 1.0 > useful) {
+            // Somewhat shorter slices may show no gain, or may not be tried.
+            if number == 0 && (tried.trial.has_many_candidates() || count + 1.0 > useful) {
                 longer = tried.longer(self.limits, attempt);
             }
             let Tried { trial, cost, .. } = tried;
