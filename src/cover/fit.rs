@@ -5,8 +5,9 @@ use super::closed_form::closed_form;
 use super::descent::{CoverCandidate, DescentScratch, Schedule, Target, descend};
 use super::points::Samples;
 use super::random::Random;
+use super::refine::refined;
 use super::search::improve;
-use super::solid::Solid;
+use super::solid::{Solid, SolidPart};
 use super::starts::{deepest, even, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
@@ -19,8 +20,8 @@ const COARSE: u32 = 16;
 /// Surfaces of more points than this are stood for by some of them.
 const MANY_POINTS: usize = 400;
 
-/// Points that stand for a surface.
-const SAMPLES: usize = 1_000;
+/// Surfaces of more polygons than this, a cuboid's, are stood for by points: each share costs a step for each polygon.
+const MANY_POLYGONS: usize = 6;
 
 /// Points from which centres are chosen.
 const POOL: usize = 8_192;
@@ -31,12 +32,64 @@ const POLISHED: usize = 4;
 /// Points that are moved to ridges.
 const RIDGE_POINTS: usize = 1_024;
 
+/// The points that stand for surfaces while centres are sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sampling {
+    /// None: the shares of the surfaces themselves are found.
+    Exact,
+    /// The points of coarse surfaces, and more between them.
+    More,
+    /// Some of the points of fine surfaces.
+    Fewer,
+}
+
+impl Sampling {
+    fn of(solid: &Solid, surfaces: &[Surface]) -> Self {
+        let points: usize = surfaces.iter().map(|one| one.points.len()).sum();
+        let polygons: usize = surfaces.iter().map(|one| one.polygons().count()).sum();
+        let is_round = solid.parts.iter().any(SolidPart::is_round);
+        // A segment has no triangles for points between its ends.
+        let mut all = surfaces.iter().flat_map(Surface::polygons);
+        if points > MANY_POINTS {
+            Self::Fewer
+        } else if polygons > MANY_POLYGONS && !is_round && all.all(|polygon| polygon.len() > 2) {
+            Self::More
+        } else {
+            Self::Exact
+        }
+    }
+
+    /// Returns the points for the search, and more of them for the last descents.
+    fn samples(self, surfaces: &[Surface]) -> (Samples, Samples) {
+        match self {
+            Self::Exact => (Samples::default(), Samples::default()),
+            // Flat triangles need few, and the surfaces themselves have the last word.
+            Self::More => {
+                let samples = |most| Samples::new(&refined(surfaces, most), most);
+                (samples(500), samples(2_000))
+            }
+            Self::Fewer => (Samples::new(surfaces, 1_000), Samples::new(surfaces, 5_000)),
+        }
+    }
+
+    /// Returns the number of moves of single balls in a chain.
+    const fn rounds(self) -> u32 {
+        match self {
+            Self::Exact => 25,
+            Self::More => 16,
+            // The descents after them are longer.
+            Self::Fewer => 9,
+        }
+    }
+}
+
 /// A shape with what each fit of it needs.
 #[derive(Debug)]
 pub(super) struct Fitter<'a> {
     solid: &'a Solid,
     coarse: Vec<Surface>,
     fine: Vec<Surface>,
+    sampling: Sampling,
     /// Empty if the coarse surfaces are used themselves.
     samples: Samples,
     /// Samples of more points, for the last descents.
@@ -51,15 +104,8 @@ pub(super) struct Fitter<'a> {
 impl<'a> Fitter<'a> {
     pub(super) fn new(solid: &'a Solid, seed: u64, effort: u32) -> Self {
         let coarse = solid.surfaces(COARSE);
-        let points: usize = coarse.iter().map(|surface| surface.points.len()).sum();
-        let samples_of = |most: usize| {
-            if points > MANY_POINTS {
-                Samples::new(&coarse, most)
-            } else {
-                Samples::default()
-            }
-        };
-        let (samples, more_samples) = (samples_of(SAMPLES), samples_of(5 * SAMPLES));
+        let sampling = Sampling::of(solid, &coarse);
+        let (samples, more_samples) = sampling.samples(&coarse);
         let pool = pool(solid, POOL, &mut Random::new(seed, u64::MAX));
         let signed_distance = |at: DVec3, scratch: &mut Vec<f64>| {
             if samples.is_empty() {
@@ -75,6 +121,7 @@ impl<'a> Fitter<'a> {
             ridges,
             fine: fine_surfaces(solid),
             coarse,
+            sampling,
             samples,
             more_samples,
             seed,
@@ -101,11 +148,8 @@ impl<'a> Fitter<'a> {
         let chains = if count == 1 { 2 } else { chains } * self.effort;
         let rounds = if !(2..=256).contains(&count) {
             0
-        } else if self.samples.is_empty() {
-            25
         } else {
-            // The descents after them are longer.
-            9
+            self.sampling.rounds()
         };
         (chains, rounds)
     }
@@ -229,6 +273,8 @@ impl<'a> Fitter<'a> {
             first: 0.1,
             ..LAST
         };
+        /// Points have led near to where the balls should be: a few of the steps, which cost much here, do.
+        const EXACT: Schedule = Schedule { steps: 200, ..LAST };
         let certified = self.certify(&best);
         let finer = self.solid.surfaces(3 * COARSE);
         let (target, schedule) = if self.samples.is_empty() {
@@ -237,11 +283,22 @@ impl<'a> Fitter<'a> {
             (Target::Samples(&self.more_samples), &AFTER_SAMPLES)
         };
         best = descend(self.solid, &target, best.centres, schedule, scratch);
-        let polished = self.certify(&best);
-        if polished.overshoot < certified.overshoot {
-            polished
-        } else {
-            certified
+        let polished = better(certified, self.certify(&best));
+        if self.sampling != Sampling::More {
+            return polished;
         }
+        let centres = polished.balls.iter().map(|&(centre, _)| centre).collect();
+        let target = Target::Surfaces(&self.coarse);
+        let exact = descend(self.solid, &target, centres, &EXACT, scratch);
+        better(polished, self.certify(&exact))
+    }
+}
+
+/// Returns the cover that reaches out less, the first of equal ones.
+fn better(one: Certified, other: Certified) -> Certified {
+    if other.overshoot < one.overshoot {
+        other
+    } else {
+        one
     }
 }

@@ -12,8 +12,9 @@
 //! `starts` chooses centres, `descent` moves them down the gradient of a soft maximum over all
 //! points that reach out far, `search` moves single balls from where they are of little use to
 //! where they are needed, and descends again. The points are corners of the balls' shares of
-//! polyhedra (`cells`), or of a coarser triangulation where the surface is fine (`points`, `nearest`). Nothing
-//! of this has to be right: `certificate` finds the radii and their overshoot anew.
+//! polyhedra (`cells`) where these are round or have few faces. Elsewhere they are points of a triangulation
+//! (`points`, `nearest`): one with fewer points where the surface is fine, one with more where the surface is
+//! coarse (`refine`). Nothing of this has to be right: `certificate` finds the radii and their overshoot anew.
 //!
 //! # The proof
 //!
@@ -71,6 +72,7 @@ mod options;
 mod points;
 mod random;
 mod read;
+mod refine;
 mod search;
 mod solid;
 mod sphere_cover;
