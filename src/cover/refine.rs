@@ -103,8 +103,9 @@ mod tests {
                 assert!((after.volume() - before.volume()).abs() < 1e-12);
             }
             let points: usize = found.iter().map(|one| one.points.len()).sum();
-            assert!(points <= most && 2 * points > most, "{most}: {points}");
-            // Triangles of the large cube are no larger than those of the brick.
+            // Edges of one length are halved together: there are four times as many points then.
+            assert!(points <= most && 4 * points > most, "{most}: {points}");
+            // Of 16 points all are corners. Otherwise the last edge that was halved was longer than allowed.
             let longest = found.iter().map(longest_edge);
             let (low, high) = longest.fold((f64::INFINITY, 0.0_f64), |(low, high), length| {
                 (low.min(length), high.max(length))
@@ -127,6 +128,6 @@ mod tests {
         slivers.push_polygon([0, 1, 2]);
         slivers.push_polygon([0, 0, 0]);
         let points = refined(&[slivers], 100)[0].points.len();
-        assert!((50..=100).contains(&points), "{points}");
+        assert!((25..=100).contains(&points), "{points}");
     }
 }
