@@ -44,6 +44,9 @@ enum Sampling {
 }
 
 impl Sampling {
+    /// Points between those of coarse surfaces for each ball, while centres are sought.
+    const POINTS_PER_BALL: usize = 24;
+
     fn of(solid: &Solid, surfaces: &[Surface]) -> Self {
         let points: usize = surfaces.iter().map(|one| one.points.len()).sum();
         let polygons: usize = surfaces.iter().map(|one| one.polygons().count()).sum();
@@ -60,13 +63,14 @@ impl Sampling {
     }
 
     /// Returns the points for the search, and more of them for the last descents.
-    fn samples(self, surfaces: &[Surface]) -> (Samples, Samples) {
+    fn samples(self, surfaces: &[Surface], count: usize) -> (Samples, Samples) {
         match self {
             Self::Exact => (Samples::default(), Samples::default()),
             // Flat triangles need few, and the surfaces themselves have the last word.
             Self::More => {
                 let samples = |most| Samples::new(&refined(surfaces, most), most);
-                (samples(500), samples(2_000))
+                let many = (Self::POINTS_PER_BALL * count).clamp(500, 1_500);
+                (samples(many), samples(4 * many))
             }
             Self::Fewer => (Samples::new(surfaces, 1_000), Samples::new(surfaces, 5_000)),
         }
@@ -102,10 +106,11 @@ pub(super) struct Fitter<'a> {
 }
 
 impl<'a> Fitter<'a> {
-    pub(super) fn new(solid: &'a Solid, seed: u64, effort: u32) -> Self {
+    /// Prepares fits of a solid by at most `count` balls.
+    pub(super) fn new(solid: &'a Solid, count: usize, seed: u64, effort: u32) -> Self {
         let coarse = solid.surfaces(COARSE);
         let sampling = Sampling::of(solid, &coarse);
-        let (samples, more_samples) = sampling.samples(&coarse);
+        let (samples, more_samples) = sampling.samples(&coarse, count);
         let pool = pool(solid, POOL, &mut Random::new(seed, u64::MAX));
         let signed_distance = |at: DVec3, scratch: &mut Vec<f64>| {
             if samples.is_empty() {
@@ -273,8 +278,11 @@ impl<'a> Fitter<'a> {
             first: 0.1,
             ..LAST
         };
-        /// Points have led near to where the balls should be: a few of the steps, which cost much here, do.
-        const EXACT: Schedule = Schedule { steps: 200, ..LAST };
+        /// After few points, on the surfaces themselves: each step costs much.
+        const EXACT: Schedule = Schedule {
+            first: 0.06,
+            ..LAST
+        };
         let certified = self.certify(&best);
         let finer = self.solid.surfaces(3 * COARSE);
         let (target, schedule) = if self.samples.is_empty() {

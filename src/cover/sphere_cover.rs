@@ -106,7 +106,7 @@ impl SphereCover {
             return Err(CoverError::Effort { effort });
         }
         let solid = read(shape)?;
-        let fitter = Fitter::new(&solid, options.seed(), effort);
+        let fitter = Fitter::new(&solid, most, options.seed(), effort);
         let fit = |count: usize| fitter.fit(count, progress);
         let certified = match options.target_overshoot() {
             None => fit(most),
