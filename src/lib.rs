@@ -118,6 +118,7 @@ mod blossom;
 mod bounds;
 mod broad_phase;
 mod conflict;
+mod conflict_index;
 mod count;
 mod cover;
 mod enclosure;
@@ -155,6 +156,7 @@ mod window;
 
 pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use conflict::{CertifiedApproach, Clip, ClosestApproach, Conflict};
+pub use conflict_index::ConflictIndex;
 pub use cover::{CoverError, CoverOptions, Coverage, Extent, SphereCover, verify_cover};
 pub use error::{Error, MAX_MAGNITUDE, Quantity};
 pub use glam;

@@ -9,8 +9,8 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyId, Conflict, Error, Hitbox, Layers, Monitor, Orientation,
-    Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, Conflict, ConflictIndex, Error, Hitbox, Layers, Monitor,
+    Orientation, Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -119,6 +119,27 @@ fn one_body_has_the_conflicts_of_a_screening_with_it() {
         }
     }
     assert!(found.iter().all(|&found| found > 100), "{found:?}");
+}
+
+/// An index has what going through all conflicts finds, also for bodies that are not in the list.
+#[test]
+fn an_index_has_the_conflicts_of_each_body() {
+    let mut scene = scene_of(&swarm(5, 300, 40.0));
+    let gone = scene.insert(body(&mut rng(5))).unwrap();
+    scene.remove(gone).unwrap();
+    let screening = scene.screen(&Query::default().with_margin(3.0)).unwrap();
+    let index = ConflictIndex::new(&screening.conflicts);
+    let mut most = 0;
+    for (id, _) in scene.bodies() {
+        let own: Vec<Conflict> = index.of(id).copied().collect();
+        let listed: Vec<Conflict> = screening.conflicts_of(id).copied().collect();
+        assert_eq!(bits(&own), bits(&listed), "{id}");
+        assert_eq!(index.of(id).len(), own.len());
+        most = most.max(own.len());
+    }
+    assert!(most > 3, "{most}");
+    assert_eq!(index.of(gone).len(), 0);
+    assert_eq!(ConflictIndex::new(&[]).of(gone).len(), 0);
 }
 
 /// Many bodies, most of them far away.

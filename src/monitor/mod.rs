@@ -378,7 +378,8 @@ impl Monitor {
 
     /// Returns the conflicts of one body at a level, soonest first, as of the last tick: a body that was inserted since
     /// has none yet. None are found before the first tick, and while a budget leaves the monitor behind its clock. The
-    /// call goes through all conflicts of the level.
+    /// call goes through all conflicts of the level; for many bodies, make a
+    /// [`ConflictIndex`](crate::ConflictIndex).
     ///
     /// # Errors
     ///

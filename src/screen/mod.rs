@@ -48,7 +48,8 @@ pub struct Screening {
 }
 
 impl Screening {
-    /// Returns the conflicts of one body, soonest first. The call goes through all conflicts.
+    /// Returns the conflicts of one body, soonest first. The call goes through all conflicts; for many bodies, make a
+    /// [`ConflictIndex`](crate::ConflictIndex).
     pub fn conflicts_of(&self, id: BodyId) -> impl Iterator<Item = &Conflict> {
         let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
         self.conflicts.iter().filter(concerns)
