@@ -7,15 +7,19 @@ use std::sync::{Mutex, PoisonError};
 /// Scratch that waits for its next use: first use of fresh memory costs as much as writing its content.
 #[derive(Default)]
 pub(crate) struct Pool<T> {
-    spare: Mutex<Vec<T>>,
+    spare: Mutex<Vec<OneBoxed<T>>>,
 }
+
+/// A list of one, by its address: scratch is large, and taken for single bodies. An empty list takes no memory.
+type OneBoxed<T> = Box<[T]>;
 
 impl<T: Default> Pool<T> {
     /// Returns scratch from the pool, to which it returns when dropped.
     pub(crate) fn take(&self) -> Pooled<'_, T> {
         let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let spare = { spare }.pop();
         Pooled {
-            scratch: { spare }.pop().unwrap_or_default(),
+            scratch: spare.unwrap_or_else(|| Box::new([T::default()])),
             pool: self,
         }
     }
@@ -36,7 +40,7 @@ impl<T> fmt::Debug for Pool<T> {
 /// Scratch on loan from a pool.
 #[derive(Debug)]
 pub(crate) struct Pooled<'p, T: Default> {
-    scratch: T,
+    scratch: OneBoxed<T>,
     pool: &'p Pool<T>,
 }
 
@@ -44,13 +48,13 @@ impl<T: Default> Deref for Pooled<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        &self.scratch
+        &self.scratch[0]
     }
 }
 
 impl<T: Default> DerefMut for Pooled<'_, T> {
     fn deref_mut(&mut self) -> &mut T {
-        &mut self.scratch
+        &mut self.scratch[0]
     }
 }
 

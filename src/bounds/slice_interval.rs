@@ -15,6 +15,16 @@ pub(crate) struct SliceInterval<const MOVES: bool> {
     displacement: Vec4,
 }
 
+impl<const MOVES: bool> SliceInterval<MOVES> {
+    /// Stands for an interval in memory that is not used: all bits are 0, which is fast to write.
+    pub(crate) const UNUSED: Self = Self {
+        from: 0.0,
+        to: 0.0,
+        rate: 0.0,
+        displacement: Vec4::ZERO,
+    };
+}
+
 impl SliceInterval<false> {
     pub(crate) fn new(from: f64, to: f64) -> Self {
         let duration = to - from;

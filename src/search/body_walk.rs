@@ -8,17 +8,17 @@ use parry3d::bounding_volume::Aabb;
 /// Largest number of slices that are walked together: each list may be as long as the longest.
 pub(crate) const MAX_SLICES: usize = 32;
 
-/// Returns the intervals of some slices, given their ends (s): the first ones of an array.
+/// Returns the intervals of some slices, given their ends (s), in the memory of an array.
 #[inline(always)]
-pub(super) fn slice_intervals_of<const MOVES: bool>(
+pub(super) fn slice_intervals_of<'m, const MOVES: bool>(
     ends: &[f64],
     slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
-) -> [SliceInterval<MOVES>; MAX_SLICES] {
-    let mut slice_intervals = [slice_interval(0.0, 0.0); MAX_SLICES];
-    for (place, ends) in slice_intervals.iter_mut().zip(ends.windows(2)) {
+    memory: &'m mut [SliceInterval<MOVES>; MAX_SLICES],
+) -> &'m [SliceInterval<MOVES>] {
+    for (place, ends) in memory.iter_mut().zip(ends.windows(2)) {
         *place = slice_interval(ends[0], ends[1]);
     }
-    slice_intervals
+    &memory[..ends.len() - 1]
 }
 
 /// Calls `put` with each slice in which a body exists, by number, and the bounds there. Returns the body's last cubic

@@ -1,6 +1,8 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
-use super::body_walk::{Ahead, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk};
+use super::body_walk::{
+    Ahead, MAX_SLICES, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk,
+};
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short};
@@ -115,7 +117,8 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
-        let slice_intervals = &slice_intervals_of(ends, slice_interval)[..count];
+        let mut memory = [SliceInterval::UNUSED; MAX_SLICES];
+        let slice_intervals = slice_intervals_of(ends, slice_interval, &mut memory);
         self.block.cubic_numbers.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.find_first_cubic(number, slice_intervals);

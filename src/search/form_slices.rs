@@ -1,7 +1,7 @@
 //! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
 //! memory, just before they are used.
 
-use super::body_walk::{cubic_before, ends_of, slice_intervals_of, walk};
+use super::body_walk::{MAX_SLICES, cubic_before, ends_of, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
     BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
@@ -168,7 +168,8 @@ where
         mut self,
         slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
     ) {
-        let slice_intervals = &slice_intervals_of(self.ends, slice_interval)[..self.ends.len() - 1];
+        let mut memory = [SliceInterval::UNUSED; MAX_SLICES];
+        let slice_intervals = slice_intervals_of(self.ends, slice_interval, &mut memory);
         let mut motions = self.present.clone();
         let mut records = self.present.clone();
         for body in records.by_ref().take(2 * Self::AHEAD) {
