@@ -31,7 +31,7 @@ pub struct ConflictIndex<'c> {
 }
 
 impl<'c> ConflictIndex<'c> {
-    /// Sorts the conflicts of a list by body. Takes 32 bytes a conflict.
+    /// Sorts the conflicts of a list by body. Takes up to 32 bytes a conflict.
     #[must_use]
     pub fn new(conflicts: &'c [Conflict]) -> Self {
         let bodies = |(place, one): (usize, &Conflict)| [(one.a, place), (one.b, place)];

@@ -428,3 +428,44 @@ fn a_large_body_makes_no_crowd() {
         assert_eq!(monitor.conflicts(0).unwrap().len(), found);
     }
 }
+
+/// A crowd of which half is gone before the other half comes. Halves of the time have fewer pairs, though boxes are as large; a
+/// sample of the bodies by number may hold none of them.
+#[test]
+fn a_crowd_that_comes_after_another_is_divided() {
+    let _one = alone();
+    let is_sampled = |number: u32| number.wrapping_mul(0x9E37_79B9) <= u32::MAX / 8;
+    // Two small spheres far apart: large boxes, and nobody touches another.
+    let sphere = |at: f64| nearmiss::Sphere {
+        offset: DVec3::splat(at),
+        radius: 1e-3,
+    };
+    let hitbox = Hitbox::cluster(vec![sphere(-50.0), sphere(50.0)]).unwrap();
+    for hides in [false, true] {
+        let (mut scene, mut rng) = (Scene::new(), rng(7));
+        for number in 0..3_430 {
+            let is_far = if hides {
+                is_sampled(number)
+            } else {
+                number >= 3_000
+            };
+            let mut place = DVec3::from_array(std::array::from_fn(|_| rng.random_range(0.0..10.0)));
+            if is_far {
+                place.x += 1e4 + 500.0 * f64::from(number);
+            }
+            let (from, to) = if number % 2 == 0 {
+                (0.0, 40.0)
+            } else {
+                (60.0, 100.0)
+            };
+            let plan = line(from, to, place, DVec3::ZERO);
+            let body = Body::new(plan).with_hitbox(hitbox.clone());
+            scene.insert(body).unwrap();
+        }
+        let query = Query::default().with_max_spans(1 << 22);
+        let found = scene
+            .screen(&query)
+            .map(|screening| screening.conflicts.len());
+        assert!(matches!(found, Ok(0)), "{hides}: {found:?}");
+    }
+}

@@ -16,9 +16,11 @@ pub(super) fn refined(surfaces: &[Surface], most: usize) -> Vec<Surface> {
     let mut longest = lengths.fold(0.0, f64::max);
     let mut best = surfaces.to_vec();
     for _ in 0..STEPS {
-        let next: Vec<Surface> = surfaces.iter().map(|one| divided(one, longest)).collect();
-        let points: usize = next.iter().map(|one| one.points.len()).sum();
-        if points > most {
+        let next = surfaces.iter().map(|one| divided(one, longest, most));
+        let Some(next) = next.collect::<Option<Vec<Surface>>>() else {
+            break;
+        };
+        if next.iter().map(|one| one.points.len()).sum::<usize>() > most {
             break;
         }
         best = next;
@@ -35,11 +37,12 @@ fn longest_edge(surface: &Surface) -> f64 {
     lengths.fold(0.0, f64::max)
 }
 
-/// Returns a surface in triangles with no edge longer than asked.
+/// Returns a surface in triangles with no edge longer than asked, or `None` if it has more points than `most` then. (Edges
+/// shorter than the rounding of their ends cannot be halved without end.)
 ///
 /// M. C. Rivara: Algorithms for refining triangular grids suitable for adaptive and multigrid techniques,
 /// International Journal for Numerical Methods in Engineering 20 (1984).
-fn divided(surface: &Surface, longest: f64) -> Surface {
+fn divided(surface: &Surface, longest: f64, most: usize) -> Option<Surface> {
     let mut points = surface.points.clone();
     let mut triangles = Vec::new();
     // Whichever triangle an edge is of, it is halved if it is long: no gap opens between neighbours.
@@ -50,6 +53,9 @@ fn divided(surface: &Surface, longest: f64) -> Surface {
         if length(&points, [from, to, top]) <= longest {
             triangles.push([from, to, top]);
             continue;
+        }
+        if points.len() > most {
+            return None;
         }
         let middle = *middles
             .entry((from.min(to), from.max(to)))
@@ -63,7 +69,7 @@ fn divided(surface: &Surface, longest: f64) -> Surface {
     triangles
         .into_iter()
         .for_each(|corners| divided.push_polygon(corners));
-    divided
+    Some(divided)
 }
 
 /// Turns a triangle's list of corners until its longest edge is the first.
@@ -129,5 +135,21 @@ mod tests {
         slivers.push_polygon([0, 0, 0]);
         let points = refined(&[slivers], 100)[0].points.len();
         assert!((25..=100).contains(&points), "{points}");
+    }
+
+    /// Two tiny cuboids far apart: halves of their edges are as long as the edges, by rounding.
+    #[test]
+    fn edges_that_cannot_be_halved_end_the_refinement() {
+        let cuboid = Convex::new(SolidForm::cuboid(DVec3::splat(1e-16))).polyhedron(4);
+        let moved = |by: f64| {
+            let points = cuboid.points.iter().map(|&point| point + by * DVec3::X);
+            let mut moved = Surface::new(points.collect(), true);
+            let polygons = cuboid.polygons();
+            polygons.for_each(|corners| moved.push_polygon(corners.iter().copied()));
+            moved
+        };
+        let surfaces = [moved(-1.0), moved(1.0)];
+        let points = |all: &[Surface]| all.iter().map(|one| one.points.len()).sum::<usize>();
+        assert!(points(&refined(&surfaces, 500)) <= 500);
     }
 }

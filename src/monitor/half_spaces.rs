@@ -37,7 +37,7 @@ pub(super) struct HalfSpaceSearch {
 }
 
 impl HalfSpaceSearch {
-    /// Notes that bodies have changed: each has, that is or was a half-space and was not so before.
+    /// Notes that bodies have changed. `changed` holds every body that became or ceased to be a half-space.
     pub(super) fn note(&mut self, bodies: &MonitoredBodies, changed: &[u32]) {
         let planes = bodies.half_spaces();
         if planes.is_empty() {

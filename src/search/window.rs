@@ -269,7 +269,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                     Err(_) => scratch.found = before,
                 }
             }
-            if halves.slices.is_empty() || !both.is_below(2.0 * LESS, &whole) {
+            let is_smaller = !halves.slices.is_empty() && both.is_below(2.0 * LESS, &whole);
+            if !has_fewer && !is_smaller {
                 return Err(LimitExceeded);
             }
         }
@@ -291,8 +292,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(())
     }
 
-    /// Returns true if the halves of a slice have far fewer candidates than twice its own in a sample of the bodies, or
-    /// if it has more than the limit.
+    /// Returns true unless a sample of the bodies shows that the halves of a slice have nearly twice as many candidates:
+    /// also if it has too few for that, or the slice more than the limit.
     fn shows_fewer_pairs<F: PairFilter>(
         &self,
         halves: &SliceBlock,
@@ -300,6 +301,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         filter: &F,
         scratch: &mut SearchScratch,
     ) -> bool {
+        /// Fewest candidates of a sample that tell something.
+        const TELLING: f64 = 64.0;
         /// Largest share of twice the candidates that counts as far fewer.
         const FEWER: f64 = 0.75;
         let sampled = u64::from(SliceBounds::SAMPLED_OF);
@@ -309,7 +312,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             self.list_pairs(&mut scratch.methods, &sample, room, filter, &mut candidates)
                 .then(|| as_f64(candidates.len()))
         };
-        let Some(whole) = count(slice) else {
+        let Some(whole) = count(slice).filter(|&whole| whole >= TELLING) else {
             return true;
         };
         let halves = halves.slices.iter().map(count);
