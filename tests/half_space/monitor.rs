@@ -209,7 +209,7 @@ fn tell_all_walls(monitor: &mut Monitor, ids: &[BodyId]) {
     }
 }
 
-/// Where some half-spaces change, the others are met as before: the monitor says what a screening
+/// The half-spaces that do not change are met as before while others change: the monitor says what a screening
 /// says, and has the events of one that compares all again in each tick.
 #[test]
 fn half_spaces_that_change_leave_the_others_known() {
@@ -249,7 +249,7 @@ fn half_spaces_that_change_leave_the_others_known() {
     assert!(found > 5_000 && reported > 1_000, "{found} {reported}");
 }
 
-/// The same within budgets that run out while bodies are compared: what is known is right, and in the end all is.
+/// Budgets run out while bodies are compared: what is known is right, and in the end all is known.
 #[test]
 fn half_spaces_that_change_while_others_are_compared_are_met() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);

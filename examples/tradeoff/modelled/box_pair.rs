@@ -12,7 +12,7 @@ pub(super) struct BoxPair<F> {
     pub(super) speed: f64,
 }
 
-/// What is proven of two boxes in an interval.
+/// A proven statement about two boxes in an interval: they touch, they do not, or neither is proven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Touch {
     Certain,
