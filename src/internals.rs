@@ -80,8 +80,8 @@ pub use crate::simd::InstructionSet;
 pub mod broad_phase {
     //! Boxes in, candidate pairs out.
     pub use crate::broad_phase::{
-        BodyBox, BroadPhase, BruteForce, Candidate, Everyone, InstructionSet, Method, PairFilter,
-        Sweep, Tree,
+        BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Groups, InstructionSet, Method,
+        PairFilter, Sweep, Tree,
     };
 }
 

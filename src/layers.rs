@@ -2,8 +2,8 @@
 
 /// Membership and filter bit masks, as in rapier's `InteractionGroups`.
 ///
-/// Two bodies are a pair if each is a member of a layer that the other filters for. That is checked
-/// before a candidate leaves the broad phase.
+/// Two bodies are a pair if each is a member of a layer that the other filters for. Other bodies are not compared with
+/// each other, if the layers of a scene make at most eight groups: bodies that meet the same layers are of one group.
 ///
 /// ```
 /// use nearmiss::Layers;

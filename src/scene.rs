@@ -8,6 +8,7 @@ mod body_plan;
 mod entry;
 mod heights;
 mod ignored;
+mod layer_groups;
 mod model_error;
 mod partners;
 mod planned;
@@ -24,6 +25,7 @@ pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use heights::HeightRange;
 pub(crate) use ignored::IgnoredPairs;
+pub(crate) use layer_groups::LayerGroups;
 use partners::{Kinds, Partners};
 pub(crate) use partners::{can_reach, radius};
 pub(crate) use planned::planned;
@@ -414,15 +416,20 @@ impl Scene {
         margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
     }
 
+    /// Returns the groups of the bodies by their layers.
+    pub(crate) fn layer_groups(&self) -> LayerGroups {
+        self.kinds.layer_groups()
+    }
+
     /// Returns true if the bodies of two slots may be a pair with a margin (m): by layers, ignored
     /// pairs, and radii, which a negative margin may exceed.
     pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
         let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
             return false;
         };
-        let [one, other] = [a, b].map(|one| radius(&one.body));
+        let reach = || can_reach(radius(&a.body), radius(&b.body), margin);
         a.body.layers.admits(b.body.layers)
-            && (margin >= 0.0 || can_reach(one, other, margin))
+            && (margin >= 0.0 || reach())
             && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
     }
 

@@ -1,6 +1,6 @@
 //! A limit on candidates, which bounds memory.
 
-use super::PairFilter;
+use super::{Groups, PairFilter};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A filter that counts the pairs it admits, and gives up beyond a limit.
@@ -36,6 +36,16 @@ impl<F: PairFilter> PairFilter for CandidateLimit<'_, F> {
         }
         // One more than there is room for tells that it was needed.
         self.admitted.fetch_add(1, Ordering::Relaxed) < self.most
+    }
+
+    #[inline]
+    fn groups(&self) -> Groups {
+        self.filter.groups()
+    }
+
+    #[inline]
+    fn group(&self, body: u32) -> u8 {
+        self.filter.group(body)
     }
 
     #[inline]

@@ -5,6 +5,7 @@
 //! for correctness. The crate cuts the window into slices and forms the boxes.
 
 mod brute_force;
+mod groups;
 mod limit;
 mod sweep;
 mod tree;
@@ -13,6 +14,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 pub use crate::simd::InstructionSet;
 pub use brute_force::BruteForce;
+pub use groups::Groups;
 pub(crate) use limit::CandidateLimit;
 pub use sweep::Sweep;
 pub use tree::Tree;
@@ -81,6 +83,19 @@ pub trait PairFilter: Sync {
     /// Returns true if the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 
+    /// Returns which groups of bodies may form pairs. Bodies of other groups are admitted in no pair: they need not be
+    /// compared.
+    #[inline]
+    fn groups(&self) -> Groups {
+        Groups::ONE
+    }
+
+    /// Returns the group of a body.
+    #[inline]
+    fn group(&self, _: u32) -> u8 {
+        0
+    }
+
     /// Returns true once no further pair is wanted: there are too many, or nobody waits for the answer any more.
     /// Searches ask now and then, and end early, incomplete.
     fn gives_up(&self) -> bool {
@@ -143,6 +158,14 @@ impl Methods {
 impl PairFilter for &dyn PairFilter {
     fn admits(&self, a: u32, b: u32) -> bool {
         (**self).admits(a, b)
+    }
+
+    fn groups(&self) -> Groups {
+        (**self).groups()
+    }
+
+    fn group(&self, body: u32) -> u8 {
+        (**self).group(body)
     }
 
     fn gives_up(&self) -> bool {

@@ -76,7 +76,7 @@ impl JumpSearch {
             }
             let end = (progress.at + progress.chunk).min(to.min(until));
             let window = (progress.at, end);
-            let (slices, statistics) = bodies.cheapest_slices(window, progress.slice);
+            let (slices, statistics) = bodies.cheapest_slices(window, progress.slice, admission);
             let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
             bodies.list_spans(slicing, admission, threads, (&mut *found, &mut counted))?;
             if admission.gives_up() {

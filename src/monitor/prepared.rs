@@ -123,6 +123,7 @@ impl<'m> PreparedBodies<'m> {
         &self,
         (from, to): (f64, f64),
         length: f64,
+        filter: &SlotAdmission<'_>,
     ) -> (TimeSlices, SceneStatistics) {
         let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
@@ -138,7 +139,10 @@ impl<'m> PreparedBodies<'m> {
             slots.map(|slot| self.table.source_of(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
-        (trials.cheapest(slices, &statistics, &some), statistics)
+        (
+            trials.cheapest(slices, (&statistics, filter), &some),
+            statistics,
+        )
     }
 
     /// Returns the statistics of a window (s) on which the number of slices depends.

@@ -28,7 +28,8 @@ impl Monitor {
     ///   body goes on turning as it does.
     /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of
     ///   that very time, is not changed: leave out bodies that sleep. Nor is one that rests, and is told to rest
-    ///   there.
+    ///   there. Its last knot stays where it was, so [`extend`](Self::extend) refuses what begins at `now`: use
+    ///   [`replan`](Self::replan).
     /// - The last state of a body that is named twice counts.
     /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///

@@ -4,6 +4,7 @@
 //! are of one kind, and have partners or not together.
 
 use super::body::Body;
+use super::layer_groups::LayerGroups;
 use crate::layers::Layers;
 use crate::orientation::Turning;
 use crate::rounding::UNIT_ROUNDOFF;
@@ -67,6 +68,12 @@ impl Kinds {
         };
         let layers = Layers::new(membership, filter);
         layers.admits(layers)
+    }
+
+    /// Returns the groups of the layers.
+    pub(super) fn layer_groups(&self) -> LayerGroups {
+        let layers = self.layers.keys();
+        LayerGroups::of(layers.map(|&(membership, filter)| Layers::new(membership, filter)))
     }
 
     /// Updates which layers have a partner; a single body is no partner of itself.

@@ -16,7 +16,7 @@ mod survey;
 pub(crate) use solve::{conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};
-use crate::broad_phase::{Everyone, Method, PairFilter};
+use crate::broad_phase::{Everyone, Groups, Method, PairFilter};
 use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
@@ -221,7 +221,13 @@ impl Scene {
         if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let slices = prepared.slices(&prepared.statistics(), &|places| prepared.sources(places));
+        let statistics = prepared.statistics();
+        let slices = if self.admits_all(query.margin()) {
+            prepared.slices(&statistics, &Everyone, &|places| prepared.sources(places))
+        } else {
+            let filter = PlaceAdmission::new(self, &prepared);
+            prepared.slices(&statistics, &filter, &|places| prepared.sources(places))
+        };
         Ok(slices.count())
     }
 }
@@ -239,6 +245,16 @@ impl<F: PairFilter> PairFilter for Cancellable<'_, F> {
     }
 
     #[inline]
+    fn groups(&self) -> Groups {
+        self.filter.groups()
+    }
+
+    #[inline]
+    fn group(&self, body: u32) -> u8 {
+        self.filter.group(body)
+    }
+
+    #[inline]
     fn gives_up(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
@@ -250,6 +266,7 @@ impl PreparedScene<'_> {
     fn slices<'p>(
         &self,
         statistics: &SceneStatistics,
+        filter: &dyn PairFilter,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices {
         let slices = TimeSlices::choose(self.searched(), statistics);
@@ -263,19 +280,20 @@ impl PreparedScene<'_> {
             instructions: self.instructions,
             pool: self.pool,
         };
-        trials.cheapest(slices, statistics, sources)
+        trials.cheapest(slices, (statistics, filter), sources)
     }
 
     /// Returns the box sources of all bodies and the slices; computed in parallel if there are many bodies.
     fn laid_out(
         &self,
         statistics: &SceneStatistics,
+        filter: &dyn PairFilter,
         memory: &mut SourceMemory,
     ) -> (SourceList<'_>, TimeSlices) {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(statistics, &|places| self.sources(places));
+            let slices = || self.slices(statistics, filter, &|places| self.sources(places));
             let sources = || self.all_sources(memory);
             let (slices, sources) = parallel::join(self.ids.len(), FEW, slices, sources);
             return (sources, slices);
@@ -283,7 +301,7 @@ impl PreparedScene<'_> {
         // Then it is cheaper to copy some than to look at their bodies again.
         let sources = self.all_sources(memory);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
-        let slices = self.slices(statistics, &some);
+        let slices = self.slices(statistics, filter, &some);
         (sources, slices)
     }
 
@@ -306,12 +324,12 @@ impl PreparedScene<'_> {
         }
         let (statistics, how) = (self.statistics(), (method, filter));
         if self.is_in_place() {
-            let slices = self.slices(&statistics, &|places| self.sources(places));
+            let slices = self.slices(&statistics, filter, &|places| self.sources(places));
             let slicing = (&slices, &statistics);
             return self.search(&BodiesInPlace(self), slicing, how, progress, screening);
         }
         let mut memory = self.pool.take();
-        let (sources, slices) = self.laid_out(&statistics, &mut memory.sources);
+        let (sources, slices) = self.laid_out(&statistics, filter, &mut memory.sources);
         let bodies = ListedBodies {
             prepared: self,
             sources: &sources,
@@ -366,11 +384,12 @@ impl PreparedScene<'_> {
 #[cfg(test)]
 mod tests {
     use crate::hitbox::Hitbox;
+    use crate::layers::Layers;
     use crate::query::Query;
     use crate::scene::{Body, Scene};
     use crate::trajectory::{State, Trajectory};
     use crate::window::Window;
-    use glam::DVec3;
+    use glam::{DQuat, DVec3};
 
     /// Two fleets that fly opposite ways, each 1 m apart. Boxes of some metres overlap nearly all
     /// of their fleet: somewhat shorter slices save nothing, far shorter ones everything.
@@ -415,5 +434,32 @@ mod tests {
         let query = day.map(|day| Query::new(day).with_margin(4.0));
         let slices = query.and_then(|query| scene.cheapest_slices(&query));
         assert!(slices.is_ok_and(|count| count <= 8));
+    }
+
+    /// Shots of a few ships, all through one place, which ignore each other: neither slices nor comparisons are spent
+    /// on their pairs.
+    #[test]
+    fn shots_that_ignore_each_other_cost_no_slices() {
+        let (mut scene, layers) = (Scene::new(), [Layers::new(1, 3), Layers::new(2, 1)]);
+        for number in 0..2_000 {
+            let shot = usize::from(number % 100 > 0);
+            let turned = DQuat::from_rotation_z(f64::from(number));
+            let velocity = turned * DVec3::new(30.0, 0.0, 1.0) * [1.0, 9.0][shot];
+            let place = DVec3::Z * 0.01 * f64::from(number);
+            let Ok(plan) = Trajectory::coasting(State::new(0.0, place, velocity)) else {
+                unreachable!("the numbers are finite")
+            };
+            let body = Body::new(plan).with_layers(layers[shot]);
+            assert!(scene.insert(body).is_ok());
+        }
+        let query = Window::new(0.0, 2.0).map(Query::new);
+        let screening = query.and_then(|query| scene.screen(&query));
+        let stats = screening.map(|screening| screening.stats);
+        assert!(
+            stats
+                .as_ref()
+                .is_ok_and(|stats| stats.slices <= 4 && stats.candidates < 20_000),
+            "{stats:?}"
+        );
     }
 }

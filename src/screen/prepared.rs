@@ -6,7 +6,7 @@ use crate::bounds::{
     BodyCubic, CompactCubic, CubicSource, Frame, HullTest, MovingFrame, Padding, StraightPieces,
     hull_test,
 };
-use crate::broad_phase::{InstructionSet, PairFilter};
+use crate::broad_phase::{Groups, InstructionSet, PairFilter};
 use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
@@ -17,7 +17,9 @@ use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::rounding::exact_interval;
-use crate::scene::{Body, CubicArena, IgnoredPairs, Scene, SceneEntry, can_reach, radius};
+use crate::scene::{
+    Body, CubicArena, IgnoredPairs, LayerGroups, Scene, SceneEntry, can_reach, radius,
+};
 use crate::search::{
     Bodies, BoxedBodies, Lifetimes, Limits, SceneStatistics, SearchScratch, SlicesToForm,
     SourceMemory, SourcesInPlace,
@@ -305,6 +307,7 @@ impl BoxedBodies for ListedBodies<'_> {
 /// Layers and ignored pairs, by place.
 pub(super) struct PlaceAdmission<'a> {
     layers: Vec<Layers>,
+    groups: LayerGroups,
     /// Radii, if the margin is negative, which excludes some pairs.
     radii: Vec<f64>,
     margin: f64,
@@ -319,6 +322,7 @@ impl<'a> PlaceAdmission<'a> {
         let radii = bodies().filter(|_| is_negative).map(radius);
         Self {
             layers: bodies().map(|body| body.layers).collect(),
+            groups: scene.layer_groups(),
             radii: radii.collect(),
             margin: prepared.margin,
             ids: &prepared.ids,
@@ -333,6 +337,15 @@ impl PairFilter for PlaceAdmission<'_> {
         self.layers[a].admits(self.layers[b])
             && (self.radii.is_empty() || can_reach(self.radii[a], self.radii[b], self.margin))
             && (self.ignored.is_empty() || !self.ignored.contains(self.ids[a], self.ids[b]))
+    }
+
+    fn groups(&self) -> Groups {
+        self.groups.groups
+    }
+
+    #[inline]
+    fn group(&self, body: u32) -> u8 {
+        self.groups.of_layers(self.layers[body as usize])
     }
 }
 

@@ -10,6 +10,7 @@
 mod bodies;
 mod body_walk;
 mod box_sizes;
+mod by_place;
 mod form;
 mod form_slices;
 mod lifetimes;

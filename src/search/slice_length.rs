@@ -6,9 +6,11 @@
 //! candidates found, and the growth of boxes with time, give the cheapest length, which is then
 //! tried in turn.
 
+use super::by_place::ByPlace;
 use super::{FormBounds, Lifetimes, Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
-use crate::broad_phase::{CandidateLimit, Everyone, Method};
+use crate::broad_phase::{CandidateLimit, Method, PairFilter};
+use crate::count::short;
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -204,11 +206,11 @@ pub(crate) struct SliceTrials<'a> {
 
 impl SliceTrials<'_> {
     /// Returns the window in slices of the length of least expected cost, searched from the given
-    /// length. `sources` returns those of the bodies at some places.
+    /// length, for the pairs that a filter admits. `sources` returns those of the bodies at some places.
     pub(crate) fn cheapest<'p, C: BoundingCubic + 'p>(
         &self,
         mut slices: TimeSlices,
-        statistics: &SceneStatistics,
+        (statistics, filter): (&SceneStatistics, &dyn PairFilter),
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, C>>,
     ) -> TimeSlices {
         /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_IN_ALL`.
@@ -234,11 +236,16 @@ impl SliceTrials<'_> {
         let sampled = sources(&sample);
         let lifetimes = self.lifetimes.of_some(&sample);
         let whole = bodies as f64 / sample.len() as f64;
+        let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
+        let filter = ByPlace {
+            bodies: &places,
+            filter,
+        };
         let attempt = |slices: TimeSlices| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
             Tried::new(
                 slices,
-                self.trial(&lifetimes, &sampled, &slices, whole, cubics),
+                self.trial(&lifetimes, (&sampled, &filter), &slices, whole, cubics),
             )
         };
         let mut last: Option<(Trial, f64)> = None;
@@ -298,7 +305,7 @@ impl SliceTrials<'_> {
     fn trial<C: BoundingCubic>(
         &self,
         lifetimes: &Lifetimes,
-        sources: &[CubicSource<'_, C>],
+        (sources, filter): (&[CubicSource<'_, C>], &ByPlace<'_, dyn PairFilter + '_>),
         slices: &TimeSlices,
         whole: f64,
         cubics: f64,
@@ -330,7 +337,7 @@ impl SliceTrials<'_> {
             });
             let slice = &block.slices[0];
             candidates.clear();
-            let room = CandidateLimit::new(&Everyone, MAX_CANDIDATES);
+            let room = CandidateLimit::new(filter, MAX_CANDIDATES);
             let method = (Method::Sweep, self.instructions);
             methods.pairs(method, &slice.boxes, &room, candidates);
             is_cut_off |= room.is_exceeded();

@@ -2,6 +2,7 @@
 
 use super::body_walk::MAX_SLICES;
 use super::box_sizes::BoxSizes;
+use super::by_place::ByPlace;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
 use super::{
@@ -428,23 +429,3 @@ const FEW_FOUND: usize = 1 << 12;
 /// threads, 200 bodies each replanned, medians of 400 ticks: with 1,204 boxes a tick 0.9 ms on the
 /// caller's thread, 3.2 ms on two; with 3,805 boxes 1.7 ms, and 1.9 to 7.6 ms.)
 pub(crate) const FEW_BOXES: usize = 4096;
-
-/// A filter of bodies, asked about their places in a slice.
-struct ByPlace<'a, F> {
-    bodies: &'a [u32],
-    filter: &'a F,
-}
-
-impl<F: PairFilter> PairFilter for ByPlace<'_, F> {
-    #[inline]
-    fn admits(&self, a: u32, b: u32) -> bool {
-        // Bodies ascend with places: they are in the same order.
-        self.filter
-            .admits(self.bodies[a as usize], self.bodies[b as usize])
-    }
-
-    #[inline]
-    fn gives_up(&self) -> bool {
-        self.filter.gives_up()
-    }
-}

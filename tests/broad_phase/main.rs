@@ -5,10 +5,12 @@
 mod boxes;
 
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use boxes::{SHAPES, SIDE, SPACING, Shape};
 use nearmiss::internals::broad_phase::{
-    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, InstructionSet, PairFilter, Sweep, Tree,
+    BodyBox, BroadPhase, BruteForce, Candidate, Everyone, Groups, InstructionSet, PairFilter,
+    Sweep, Tree,
 };
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
@@ -131,6 +133,81 @@ fn filters_are_honoured() {
     honours_the_filter::<BruteForce>();
     honours_the_filter::<Sweep>();
     honours_the_filter::<Tree>();
+}
+
+/// Bodies in groups, of which some form no pairs.
+struct Grouped {
+    groups: Groups,
+    /// Pairs asked about that can be none by their groups.
+    in_vain: AtomicUsize,
+}
+
+impl Grouped {
+    /// Each with the number of groups and the rule which of them form pairs.
+    const RULES: [(usize, fn(usize, usize) -> bool); 6] = [
+        (2, |one, other| one != other),
+        (2, |one, other| one + other < 2),
+        (3, |one, other| one + other == 2),
+        (4, |one, other| one.abs_diff(other) < 2),
+        (8, |one, other| (one ^ other) & 1 == 1),
+        (5, |_, _| false),
+    ];
+
+    fn of((count, rule): (usize, fn(usize, usize) -> bool)) -> Self {
+        Self {
+            groups: Groups::new(count, rule),
+            in_vain: AtomicUsize::new(0),
+        }
+    }
+}
+
+impl PairFilter for Grouped {
+    fn admits(&self, a: u32, b: u32) -> bool {
+        let [one, other] = [a, b].map(|body| usize::from(self.group(body)));
+        let admits = self.groups.admits(one, other);
+        self.in_vain
+            .fetch_add(usize::from(!admits), Ordering::Relaxed);
+        admits
+    }
+
+    fn groups(&self) -> Groups {
+        self.groups
+    }
+
+    /// Bodies are multiples of three: neighbours in the list are of different groups.
+    fn group(&self, body: u32) -> u8 {
+        let mixed = (body / 3).wrapping_mul(0x9E37_79B9) >> 16;
+        u8::try_from(mixed as usize % self.groups.count()).unwrap()
+    }
+}
+
+#[test]
+fn groups_lose_no_pair() {
+    let mut sweep = Sweep::default();
+    for rule in Grouped::RULES {
+        let filter = Grouped::of(rule);
+        for shape in SHAPES {
+            for (seed, count) in (20..).zip([17, 256, 300, 1_000]) {
+                let boxes = shape.boxes(count, seed);
+                let pairs = found(&mut sweep, &boxes, &filter);
+                let wanted = expected(&boxes, &filter);
+                assert!(pairs == wanted, "{count} boxes of {}", shape.name);
+            }
+        }
+    }
+}
+
+/// 1,000 boxes, all in one place: nobody asks about pairs of groups that form none.
+#[test]
+fn groups_that_form_no_pairs_are_not_compared() {
+    let shape = SHAPES.iter().find(|shape| shape.name == "one_place");
+    let boxes = shape.unwrap().boxes(1_000, 1);
+    for rule in Grouped::RULES {
+        let filter = Grouped::of(rule);
+        let pairs = found(&mut Sweep::default(), &boxes, &filter);
+        assert_eq!(filter.in_vain.into_inner(), 0);
+        assert!(pairs == expected(&boxes, &Grouped::of(rule)));
+    }
 }
 
 fn appends_in_the_same_order_each_time<B: BroadPhase>() {

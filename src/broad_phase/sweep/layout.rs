@@ -11,7 +11,9 @@ pub(super) struct GridLayout {
     pub(super) across: [usize; 2],
     /// Rows on each of these axes.
     pub(super) rows: [u32; 2],
-    /// Bins per row.
+    /// Groups of boxes, each with bins of its own in a row.
+    pub(super) groups: u32,
+    /// Bins of a group in a row.
     pub(super) bins: u32,
 }
 
@@ -25,9 +27,9 @@ impl GridLayout {
         1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512,
     ];
 
-    /// Returns the layout of least expected cost for this number of evenly spread boxes, with these mean
-    /// extents on each axis as shares of the grid, 0..=1.
-    pub(super) fn choose(count: usize, extents: [f64; 3]) -> Self {
+    /// Returns the layout of least expected cost for this number of evenly spread boxes, in so many groups, with
+    /// these mean extents on each axis as shares of the grid, 0..=1.
+    pub(super) fn choose(count: usize, groups: u32, extents: [f64; 3]) -> Self {
         let count = count as f64;
         let mut best = (f64::INFINITY, 0, [1, 1]);
         for sweep in 0..3 {
@@ -54,12 +56,13 @@ impl GridLayout {
             sweep,
             across: across(sweep),
             rows,
+            groups,
             bins: Self::bins(rows, count, extents[sweep]),
         }
     }
 
     /// Returns a number of bins a quarter of a box long, so that few successors of a box start behind
-    /// the box's end; at most one cell per box.
+    /// the box's end; at most one cell per box, in each group.
     fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
         let most = (count / f64::from(rows[0] * rows[1])).min(f64::from(STEPS));
         whole((4.0 / extent).clamp(1.0, most.max(1.0)))
@@ -71,8 +74,13 @@ impl GridLayout {
         self
     }
 
+    /// Returns the number of cells of a row.
+    pub(super) const fn row_cells(&self) -> u32 {
+        self.groups * self.bins
+    }
+
     pub(super) const fn cells(&self) -> u32 {
-        self.rows[0] * self.rows[1] * self.bins
+        self.rows[0] * self.rows[1] * self.row_cells()
     }
 }
 

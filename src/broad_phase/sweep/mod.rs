@@ -1,9 +1,9 @@
 //! A packed sweep over boxes sorted into rows.
 //!
 //! Boxes become 16 bytes each: six faces on a 16-bit grid (`quantizer`) and the cell they are
-//! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by fine
+//! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by groups and by fine
 //! bins of the third; `layout` chooses these numbers. Each record is compared with its
-//! successors in its row, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the
+//! successors in its row, in each group that its own may form pairs with, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the
 //! boxes themselves, so the pairs are exact.
 //!
 //! The grid is chosen from a `sample` of the boxes; nothing has to be configured. Box sets that one
@@ -28,6 +28,7 @@ use self::row_sweep::SweepRows;
 use self::rows::{SortIntoRows, SortedRows};
 use self::sample::BoxSample;
 use super::{BodyBox, BroadPhase, Candidate, PairFilter};
+use crate::count::short;
 use crate::parallel;
 use crate::simd::InstructionSet;
 use std::ops::Range;
@@ -43,13 +44,15 @@ pub struct Sweep {
     instructions: InstructionSet,
     sample: BoxSample,
     rows: SortedRows,
+    /// The group of each box, if there are several.
+    group_of: Vec<u8>,
     /// Memory of comparisons of all boxes.
     faces: [[Vec<f32>; 3]; 2],
     /// Divided boxes, by depth.
     parts: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
-    /// Candidates found by several threads, in the order of their records.
+    /// Candidates found by several threads, in the order of the lists of successors.
     shares: Vec<Vec<Candidate>>,
 }
 
@@ -74,6 +77,7 @@ impl Sweep {
             instructions,
             sample: BoxSample::default(),
             rows: SortedRows::default(),
+            group_of: Vec::new(),
             faces: Default::default(),
             parts: Vec::new(),
             copies_left: 0,
@@ -108,9 +112,18 @@ impl Sweep {
             return self.find_in_parts(region, depth, filter, candidates);
         }
         let quantizer = Quantizer::new(self.sample.ranges());
-        let layout = GridLayout::choose(boxes.len(), self.sample.shares());
+        let groups = filter.groups();
+        self.group_of.clear();
+        if groups.count() > 1 {
+            let of_boxes = boxes.iter().map(|one| filter.group(one.body));
+            self.group_of.extend(of_boxes);
+        }
+        let count = short(groups.count());
+        let layout = GridLayout::choose(boxes.len(), count, self.sample.shares());
         let comparisons = self.instructions.run(SortIntoRows {
             boxes,
+            groups,
+            group_of: &self.group_of,
             quantizer: &quantizer,
             layout,
             rows: &mut self.rows,
@@ -141,12 +154,12 @@ impl Sweep {
             shares,
             ..
         } = self;
-        let records = rows.successor_ends.len();
-        let sweep = |records: Range<usize>, candidates: &mut Vec<Candidate>| {
+        let all = rows.lists();
+        let sweep = |lists: Range<usize>, candidates: &mut Vec<Candidate>| {
             instructions.run(SweepRows {
                 boxes,
                 rows,
-                records,
+                lists,
                 region,
                 filter,
                 candidates,
@@ -154,15 +167,15 @@ impl Sweep {
         };
         let threads = parallel::threads();
         if threads == 1 || boxes.len() < Self::SHARED {
-            return sweep(0..records, candidates);
+            return sweep(0..all, candidates);
         }
         // Rows differ in length.
-        let share = records.div_ceil(4 * threads);
-        shares.resize_with(records.div_ceil(share), Vec::new);
+        let share = all.div_ceil(4 * threads).max(1);
+        shares.resize_with(all.div_ceil(share), Vec::new);
         parallel::for_each_chunk(shares, 1, (boxes.len(), 0), |number, shares| {
             for found in shares {
                 let first = number * share;
-                sweep(first..records.min(first + share), found);
+                sweep(first..all.min(first + share), found);
             }
         });
         for found in shares {

@@ -1,7 +1,8 @@
-//! The sweep itself: every record against its successors in its row: those that begin before it ends, by their bins.
+//! The sweep itself: every record against its successors: those in its row that begin before it ends, by their bins, and
+//! may form pairs with it, by their groups.
 
 use super::region::Region;
-use super::rows::{STEP, SortedRows};
+use super::rows::{STEP, SortedRows, Successors};
 use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::count::short;
 use crate::simd::Task;
@@ -10,12 +11,13 @@ use std::ops::Range;
 /// Number of hits that are buffered.
 const HITS: usize = 256;
 
-/// A step with a hit: a record, the first of the 16 records compared, and a byte for each of these:
-/// 1 for an overlap on the grid.
+/// A step with a hit: a record, its successors from the first of the 16 compared on, and a byte for each of
+/// these: 1 for an overlap on the grid.
 #[derive(Clone, Copy)]
 struct Hit {
     record: u32,
     next: u32,
+    end: u32,
     lanes: [u8; STEP],
 }
 
@@ -23,8 +25,8 @@ struct Hit {
 pub(super) struct SweepRows<'a, F> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) rows: &'a SortedRows,
-    /// The records that are compared with what follows them.
-    pub(super) records: Range<usize>,
+    /// The lists of successors that are compared.
+    pub(super) lists: Range<usize>,
     pub(super) region: Option<&'a Region>,
     pub(super) filter: &'a F,
     pub(super) candidates: &'a mut Vec<Candidate>,
@@ -34,9 +36,19 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(self) {
+        if self.rows.are_grouped() {
+            self.sweep::<true>();
+        } else {
+            self.sweep::<false>();
+        }
+    }
+}
+
+impl<F: PairFilter> SweepRows<'_, F> {
+    #[inline(always)]
+    fn sweep<const GROUPED: bool>(mut self) {
         let SortedRows {
-            successor_ends,
             low: [low_x, low_y, low_z],
             high: [high_x, high_y, high_z],
             ..
@@ -48,20 +60,22 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
         let mut hits = [Hit {
             record: 0,
             next: 0,
+            end: 0,
             lanes: [0; STEP],
         }; HITS];
         let mut count = 0;
-        for record in self.records.clone() {
-            let low = [lows[0][record], lows[1][record], lows[2][record]];
-            let high = [highs[0][record], highs[1][record], highs[2][record]];
-            let successor_end = successor_ends[record] as usize;
-            let mut next = record + 1;
-            while next < successor_end {
-                let lanes = meeting(lows, highs, next, low, high);
+        for list in self.lists.clone() {
+            let Successors { record, first, end } = self.rows.list::<GROUPED>(list);
+            let (number, mut next) = (record as usize, first);
+            let low = [lows[0][number], lows[1][number], lows[2][number]];
+            let high = [highs[0][number], highs[1][number], highs[2][number]];
+            while next < end {
+                let lanes = meeting(lows, highs, next as usize, low, high);
                 // Written in any case, kept where there is a hit: no branch to mispredict.
                 hits[count] = Hit {
-                    record: short(record),
-                    next: short(next),
+                    record,
+                    next,
+                    end,
                     lanes,
                 };
                 count += usize::from(u128::from_ne_bytes(lanes) != 0);
@@ -72,7 +86,7 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
                     }
                     count = 0;
                 }
-                next += STEP;
+                next += short(STEP);
             }
         }
         self.report(&hits[..count]);
@@ -111,17 +125,13 @@ impl<F: PairFilter> SweepRows<'_, F> {
     /// Emits the pairs of hits that belong to their row and whose boxes overlap.
     #[inline(never)]
     fn report(&mut self, hits: &[Hit]) {
-        let SortedRows {
-            source,
-            successor_ends,
-            ..
-        } = self.rows;
+        let source = &self.rows.source;
         for hit in hits {
             let record = hit.record as usize;
             let copy = source[record];
             let one = &self.boxes[copy.number()];
             // What follows the successors may be the same boxes in the next row.
-            let left = successor_ends[record] - hit.next;
+            let left = hit.end - hit.next;
             let mut lanes = mask(hit.lanes);
             if left < 16 {
                 lanes &= (1 << left) - 1;

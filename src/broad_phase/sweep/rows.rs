@@ -3,8 +3,10 @@
 use super::layout::GridLayout;
 use super::quantizer::{QuantizedBox, Quantizer, axis_part};
 use super::sample::scattered;
-use crate::broad_phase::BodyBox;
+use crate::broad_phase::{BodyBox, Groups};
+use crate::count::short;
 use crate::simd::Task;
+use std::cmp::Ordering;
 
 /// Records compared in one step.
 pub(super) const STEP: usize = 16;
@@ -24,24 +26,68 @@ pub(super) struct SortedRows {
     pub(super) cell_ends: Vec<u32>,
     /// Box of each record.
     pub(super) source: Vec<RecordSource>,
-    /// For each record, the end of the records that start no later than it ends.
-    pub(super) successor_ends: Vec<u32>,
+    /// For each record, the end of the records that start no later than it ends, if there is one group.
+    successor_ends: Vec<u32>,
+    /// If there are several groups: the successors of each record in each group that it may form pairs with.
+    grouped: Vec<Successors>,
+    are_grouped: bool,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
 }
 
+/// Records that a record is compared with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Successors {
+    pub(super) record: u32,
+    pub(super) first: u32,
+    pub(super) end: u32,
+}
+
 impl SortedRows {
+    /// Returns true if the boxes are of several groups.
+    pub(super) const fn are_grouped(&self) -> bool {
+        self.are_grouped
+    }
+
+    /// Returns the number of lists of successors: one for each record, or for each of its groups of partners.
+    pub(super) const fn lists(&self) -> usize {
+        if self.are_grouped {
+            self.grouped.len()
+        } else {
+            self.successor_ends.len()
+        }
+    }
+
+    /// Returns a list of successors. `GROUPED` says whether the boxes are of several groups.
+    #[inline(always)]
+    pub(super) fn list<const GROUPED: bool>(&self, number: usize) -> Successors {
+        if GROUPED {
+            return self.grouped[number];
+        }
+        let record = short(number);
+        Successors {
+            record,
+            first: record + 1,
+            end: self.successor_ends[number],
+        }
+    }
+
     /// Compares the boxes of a few records with some of their successors; returns the share of comparisons
     /// that find an overlap, 0..=1.
     pub(super) fn hit_rate(&self, boxes: &[BodyBox]) -> f64 {
         const RECORDS: usize = 16;
         const OTHERS: usize = 64;
         let (mut tested, mut met) = (0_u64, 0_u64);
-        for record in scattered(RECORDS, self.successor_ends.len()) {
-            let one = &boxes[self.source[record].number()];
-            let rest = self.successor_ends[record] as usize - record - 1;
+        for number in scattered(RECORDS, self.lists()) {
+            let Successors { record, first, end } = if self.are_grouped {
+                self.list::<true>(number)
+            } else {
+                self.list::<false>(number)
+            };
+            let one = &boxes[self.source[record as usize].number()];
+            let rest = (end - first) as usize;
             for other in scattered(OTHERS.min(rest), rest) {
-                let other = self.source[record + 1 + other].number();
+                let other = self.source[first as usize + other].number();
                 tested += 1;
                 met += u64::from(one.meets(&boxes[other]));
             }
@@ -75,6 +121,9 @@ impl RecordSource {
 /// Sorts boxes into rows; returns the number of comparisons of a sweep over them.
 pub(super) struct SortIntoRows<'a> {
     pub(super) boxes: &'a [BodyBox],
+    pub(super) groups: Groups,
+    /// The group of each box, if there are several.
+    pub(super) group_of: &'a [u8],
     pub(super) quantizer: &'a Quantizer,
     pub(super) layout: GridLayout,
     pub(super) rows: &'a mut SortedRows,
@@ -85,28 +134,48 @@ impl Task for SortIntoRows<'_> {
 
     #[inline(always)]
     fn run(self) -> u64 {
+        if self.layout.groups > 1 {
+            self.sort::<true>()
+        } else {
+            self.sort::<false>()
+        }
+    }
+}
+
+impl SortIntoRows<'_> {
+    #[inline(always)]
+    fn sort<const GROUPED: bool>(self) -> u64 {
         let Self {
             boxes,
+            groups,
+            group_of,
             quantizer,
             mut layout,
             rows,
         } = self;
-        pack(boxes, quantizer, &layout, rows);
+        pack::<GROUPED>(boxes, group_of, quantizer, &layout, rows);
         if further_copies(&layout, rows) > MAX_COPIES * boxes.len() as u64 {
             // Sizes that the layout did not foresee. One row takes no copies.
             layout = layout.in_one_row();
-            pack(boxes, quantizer, &layout, rows);
+            pack::<GROUPED>(boxes, group_of, quantizer, &layout, rows);
         }
         count(&layout, rows);
         let copies = starts_from_counts(&mut rows.cell_ends);
         scatter(&layout, rows, copies);
-        unfold(&layout, rows)
+        rows.are_grouped = GROUPED;
+        unfold::<GROUPED>(&layout, groups, rows)
     }
 }
 
 /// Converts boxes to grid coordinates, with the cells of their low corners.
 #[inline(always)]
-fn pack(boxes: &[BodyBox], quantizer: &Quantizer, layout: &GridLayout, rows: &mut SortedRows) {
+fn pack<const GROUPED: bool>(
+    boxes: &[BodyBox],
+    group_of: &[u8],
+    quantizer: &Quantizer,
+    layout: &GridLayout,
+    rows: &mut SortedRows,
+) {
     let SortedRows { packed, spread, .. } = rows;
     packed.resize(boxes.len(), QuantizedBox::default());
     spread.resize(boxes.len(), 0);
@@ -127,10 +196,14 @@ fn pack(boxes: &[BodyBox], quantizer: &Quantizer, layout: &GridLayout, rows: &mu
             place[lane] = axis_part(grid[lane], parts[lane]);
         }
         let (outer, inner) = (place[first], place[second]);
+        let mut group_row = outer * layout.rows[1] + inner;
+        if GROUPED {
+            group_row = group_row * layout.groups + u32::from(group_of[number as usize]);
+        }
         *packed = QuantizedBox {
             low: [grid[0], grid[1], grid[2]],
             high: [grid[3], grid[4], grid[5]],
-            cell: (outer * layout.rows[1] + inner) * layout.bins + place[layout.sweep],
+            cell: group_row * layout.bins + place[layout.sweep],
         };
         // Written in any case, kept where it spans: whether it does cannot be predicted.
         spread[spread_count] = number;
@@ -220,19 +293,21 @@ fn scatter(layout: &GridLayout, rows: &mut SortedRows, count: usize) {
     }
 }
 
-/// Writes the faces of all records to their arrays, and the ends of their successors.
+/// Writes the faces of all records to their arrays, and their successors; returns the number of comparisons.
 #[inline(always)]
-fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
+fn unfold<const GROUPED: bool>(layout: &GridLayout, groups: Groups, rows: &mut SortedRows) -> u64 {
     let SortedRows {
         packed,
         cell_ends,
         source,
         successor_ends,
+        grouped,
         low,
         high,
         ..
     } = rows;
     let count = source.len() - STEP;
+    grouped.clear();
     successor_ends.resize(count, 0);
     for face in low.iter_mut().chain(high.iter_mut()) {
         face.resize(count + STEP, 0);
@@ -252,15 +327,37 @@ fn unfold(layout: &GridLayout, rows: &mut SortedRows) -> u64 {
     let (source, successor_ends) = (&source[..count], &mut successor_ends[..count]);
     let mut comparisons = 0;
     let mut start = 0;
-    for row_ends in cell_ends.chunks_exact(layout.bins as usize) {
+    let bins = layout.bins as usize;
+    for (group_row, row_ends) in cell_ends.chunks_exact(bins).enumerate() {
         let end = row_ends[row_ends.len() - 1] as usize;
         for k in start..end {
             let one = &packed[source[k].number()];
             [low_x[k], low_y[k], low_z[k]] = one.low;
             [high_x[k], high_y[k], high_z[k]] = one.high;
-            let successor_end = row_ends[axis_part(one.high[layout.sweep], layout.bins) as usize];
-            successor_ends[k] = successor_end;
-            comparisons += u64::from(successor_end) - k as u64;
+            let last_bin = axis_part(one.high[layout.sweep], layout.bins) as usize;
+            if !GROUPED {
+                let successor_end = row_ends[last_bin];
+                successor_ends[k] = successor_end;
+                comparisons += u64::from(successor_end) - k as u64;
+                continue;
+            }
+            let first_bin = axis_part(one.low[layout.sweep], layout.bins) as usize;
+            let own = group_row % groups.count();
+            for other in (0..groups.count()).filter(|&other| groups.admits(own, other)) {
+                let cell = (group_row - own + other) * bins + first_bin;
+                // Of two records that start in one bin, that of the lower group is compared with the other one.
+                let first = match other.cmp(&own) {
+                    Ordering::Less => cell_ends[cell],
+                    Ordering::Equal => short(k + 1),
+                    Ordering::Greater => cell.checked_sub(1).map_or(0, |before| cell_ends[before]),
+                };
+                let end = cell_ends[cell - first_bin + last_bin];
+                if first < end {
+                    comparisons += u64::from(end - first);
+                    let record = short(k);
+                    grouped.push(Successors { record, first, end });
+                }
+            }
         }
         start = end;
     }
@@ -294,8 +391,8 @@ impl ExtraCells {
             lines,
             left: span,
             span,
-            stride: layout.bins as usize,
-            line_stride: (layout.rows[1] * layout.bins) as usize,
+            stride: layout.row_cells() as usize,
+            line_stride: (layout.rows[1] * layout.row_cells()) as usize,
         }
     }
 
@@ -344,6 +441,7 @@ mod tests {
         sweep: 1,
         across: [0, 2],
         rows: [4, 8],
+        groups: 1,
         bins: 16,
     };
 
@@ -361,6 +459,8 @@ mod tests {
         let mut rows = SortedRows::default();
         let comparisons = InstructionSet::best().run(SortIntoRows {
             boxes: &boxes,
+            groups: Groups::ONE,
+            group_of: &[],
             quantizer: &Quantizer::new([(0.0, 64.0); 3]),
             layout: LAYOUT,
             rows: &mut rows,

@@ -2,7 +2,7 @@
 
 use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::bounds::FatLine;
-use crate::broad_phase::{BodyBox, BroadPhase, PairFilter};
+use crate::broad_phase::{BodyBox, BroadPhase, Groups, PairFilter};
 use crate::monitor::admission::LimitedAdmission;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::slot_set::SlotSet;
@@ -97,6 +97,14 @@ struct TouchesChanged<'f> {
 impl PairFilter for TouchesChanged<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
         (self.changed.has(a) || self.changed.has(b)) && self.filter.admits(a, b)
+    }
+
+    fn groups(&self) -> Groups {
+        self.filter.groups()
+    }
+
+    fn group(&self, slot: u32) -> u8 {
+        self.filter.group(slot)
     }
 
     fn gives_up(&self) -> bool {

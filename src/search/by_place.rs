@@ -1,0 +1,34 @@
+//! A filter of bodies for a list of some of them.
+
+use crate::broad_phase::{Groups, PairFilter};
+
+/// A filter of bodies, asked about their places in a list.
+pub(super) struct ByPlace<'a, F: ?Sized> {
+    /// Ascending.
+    pub(super) bodies: &'a [u32],
+    pub(super) filter: &'a F,
+}
+
+impl<F: PairFilter + ?Sized> PairFilter for ByPlace<'_, F> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        // Bodies ascend with places: they are in the same order.
+        self.filter
+            .admits(self.bodies[a as usize], self.bodies[b as usize])
+    }
+
+    #[inline]
+    fn groups(&self) -> Groups {
+        self.filter.groups()
+    }
+
+    #[inline]
+    fn group(&self, place: u32) -> u8 {
+        self.filter.group(self.bodies[place as usize])
+    }
+
+    #[inline]
+    fn gives_up(&self) -> bool {
+        self.filter.gives_up()
+    }
+}
