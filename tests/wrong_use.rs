@@ -102,6 +102,7 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
     ("screen", &["none.csv"], 1, "error: none.csv: No such file or directory (os error 2)"),
     ("screen", &["."], 1, "error: .: Is a directory (os error 21)"),
     ("screen", &["utf16.csv"], 1, "error: utf16.csv: row 1: the file is in UTF-16; save it in UTF-8"),
+    ("screen", &["unmarked.csv"], 1, "error: unmarked.csv: row 1: the file is in UTF-16; save it in UTF-8"),
     ("screen", &["cut.csv.gz"], 1, 
      "error: cut.csv.gz: the gzip data are broken or cut off (incomplete deflate stream); pack the file again"),
     ("screen", &["radii.csv", "--radius", "2"], 1,
@@ -289,7 +290,8 @@ fn command_lines() {
     std::fs::write(folder.join("hitboxes.json"), "[]").unwrap();
     let utf_16 = HEADER.encode_utf16().flat_map(u16::to_le_bytes);
     let marked: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf_16).collect();
-    std::fs::write(folder.join("utf16.csv"), marked).unwrap();
+    std::fs::write(folder.join("utf16.csv"), &marked).unwrap();
+    std::fs::write(folder.join("unmarked.csv"), &marked[2..]).unwrap();
     let gzip_header = [0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 3];
     std::fs::write(folder.join("cut.csv.gz"), gzip_header).unwrap();
     let mut wrong = Vec::new();

@@ -172,5 +172,9 @@ pub(super) fn bare_return(line: u64) -> String {
 
 fn is_utf_16(found: &ByteRecord) -> bool {
     let start = found.get(0).unwrap_or_default();
-    start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff])
+    // With a byte order mark, or with a zero in each letter.
+    matches!(
+        start,
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1.., ..] | [1.., 0, ..]
+    )
 }
