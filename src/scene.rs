@@ -2,6 +2,7 @@
 //!
 //! Words: [`internals`](crate::internals).
 
+mod admission;
 mod arena;
 mod body;
 mod body_plan;
@@ -26,7 +27,7 @@ pub(crate) use entry::SceneEntry;
 pub(crate) use heights::HeightRange;
 pub(crate) use ignored::IgnoredPairs;
 pub(crate) use layer_groups::LayerGroups;
-use partners::{Kinds, Partners};
+use partners::Kinds;
 pub(crate) use partners::{can_reach, radius};
 pub(crate) use planned::planned;
 pub(crate) use slot::Slot;
@@ -110,7 +111,7 @@ use std::slice::from_ref;
 )]
 pub struct Scene {
     slots: Vec<Slot>,
-    /// The key of each slot: ids are checked without fetching bodies.
+    /// The key of each slot: ids and layers are checked without fetching bodies.
     keys: Vec<SlotKey>,
     free: Vec<u32>,
     ignored: IgnoredPairs,
@@ -134,11 +135,6 @@ impl Scene {
 
     pub(crate) const fn pool(&self) -> &Pool<SearchScratch> {
         &self.pool
-    }
-
-    /// Returns the test whether a body has a partner: another body with which it may be a pair within a margin (m).
-    pub(crate) fn partners(&self, margin: f64) -> Partners<'_> {
-        Partners::of(&self.kinds, margin)
     }
 
     pub(crate) const fn arena(&self) -> &CubicArena {
@@ -172,8 +168,12 @@ impl Scene {
         }
         self.kinds.add(&body);
         let place = id.slot as usize;
+        self.keys[place] = SlotKey {
+            generation: id.generation,
+            is_taken: true,
+            layers: body.layers,
+        };
         self.slots[place].entry = Some(SceneEntry::new(body, &mut self.arena));
-        self.keys[place].is_taken = true;
         self.len += 1;
         self.tidy();
         Ok(id)
@@ -240,11 +240,8 @@ impl Scene {
     /// Returns true if there is a body with this id.
     #[inline]
     pub(crate) fn has(&self, id: BodyId) -> bool {
-        let key = SlotKey {
-            generation: id.generation,
-            is_taken: true,
-        };
-        self.keys.get(id.slot as usize) == Some(&key)
+        let key = self.taken(id.slot);
+        key.is_some_and(|key| key.generation == id.generation)
     }
 
     /// Returns all bodies, in the order of their ids' slots.
@@ -311,6 +308,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
         let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.layers, layers);
+        self.keys[id.slot as usize].layers = layers;
         self.kinds.add_layers(layers);
         self.kinds.remove_layers(old);
         Ok(old)
@@ -411,26 +409,10 @@ impl Scene {
         Some((BodyId { slot, generation }, entry))
     }
 
-    /// Returns true if any two bodies may be a pair with a margin (m).
-    pub(crate) fn admits_all(&self, margin: f64) -> bool {
-        margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
-    }
-
-    /// Returns the groups of the bodies by their layers.
-    pub(crate) fn layer_groups(&self) -> LayerGroups {
-        self.kinds.layer_groups()
-    }
-
-    /// Returns true if the bodies of two slots may be a pair with a margin (m): by layers, ignored
-    /// pairs, and radii, which a negative margin may exceed.
-    pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
-        let (Some((id_a, a)), Some((id_b, b))) = (self.in_slot(a), self.in_slot(b)) else {
-            return false;
-        };
-        let reach = || can_reach(radius(&a.body), radius(&b.body), margin);
-        a.body.layers.admits(b.body.layers)
-            && (margin >= 0.0 || reach())
-            && (self.ignored.is_empty() || !self.ignored.contains(id_a, id_b))
+    /// Returns the key of a slot with a body.
+    #[inline]
+    fn taken(&self, slot: u32) -> Option<&SlotKey> {
+        self.keys.get(slot as usize).filter(|key| key.is_taken)
     }
 
     /// Moves all compact trajectories to new memory, if most of the old one is garbage.

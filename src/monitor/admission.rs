@@ -47,8 +47,8 @@ impl PairFilter for SlotAdmission<'_> {
     }
 
     fn group(&self, slot: u32) -> u8 {
-        let entry = self.scene.in_slot(slot);
-        entry.map_or(0, |(_, entry)| self.groups.of_layers(entry.body.layers))
+        let layers = self.scene.layers(slot);
+        layers.map_or(0, |layers| self.groups.of_layers(layers))
     }
 
     fn gives_up(&self) -> bool {

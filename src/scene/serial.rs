@@ -3,6 +3,7 @@
 use super::{Body, Scene, SceneEntry, Slot, SlotKey};
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::layers::Layers;
 use serde::{Deserialize, Serialize};
 
 /// The serialised fields of a scene.
@@ -47,6 +48,7 @@ impl TryFrom<SerialScene> for Scene {
             scene.keys.push(SlotKey {
                 generation,
                 is_taken: body.is_some(),
+                layers: body.as_ref().map_or(Layers::ALL, |body| body.layers),
             });
             scene.slots.push(Slot {
                 entry: body.map(|body| SceneEntry::new(body, &mut scene.arena)),

@@ -1,6 +1,8 @@
 //! Places for bodies.
 
 use super::entry::SceneEntry;
+use crate::id::BodyId;
+use crate::layers::Layers;
 use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
 
 /// A place for a body: three cache lines.
@@ -10,11 +12,23 @@ pub(crate) struct Slot {
     pub(super) entry: Option<SceneEntry>,
 }
 
-/// The generation of a slot, and whether a body is in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What is known of a slot without fetching its body.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SlotKey {
     pub(super) generation: u32,
+    /// True if a body is in it, with these layers.
     pub(super) is_taken: bool,
+    pub(super) layers: Layers,
+}
+
+impl SlotKey {
+    /// Returns the id of the body in the slot of this number.
+    pub(super) const fn id(&self, slot: u32) -> BodyId {
+        BodyId {
+            slot,
+            generation: self.generation,
+        }
+    }
 }
 
 impl Slot {
