@@ -175,6 +175,6 @@ fn is_utf_16(found: &ByteRecord) -> bool {
     // With a byte order mark, or with a zero in each letter.
     matches!(
         start,
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1.., ..] | [1.., 0, ..]
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, 1..=255, ..] | [1..=255, 0, ..]
     )
 }
