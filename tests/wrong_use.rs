@@ -304,7 +304,7 @@ fn command_lines() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 4);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 5);
 }
 
 /// An option that does not exist is not the name of a file: there is a hint only where another option has nearly its name.
