@@ -142,9 +142,11 @@ struct Grouped {
     in_vain: AtomicUsize,
 }
 
+/// A number of groups, and which of them form pairs.
+type Rule = (usize, fn(usize, usize) -> bool);
+
 impl Grouped {
-    /// Each with the number of groups and the rule which of them form pairs.
-    const RULES: [(usize, fn(usize, usize) -> bool); 6] = [
+    const RULES: [Rule; 6] = [
         (2, |one, other| one != other),
         (2, |one, other| one + other < 2),
         (3, |one, other| one + other == 2),
@@ -153,7 +155,7 @@ impl Grouped {
         (5, |_, _| false),
     ];
 
-    fn of((count, rule): (usize, fn(usize, usize) -> bool)) -> Self {
+    fn of((count, rule): Rule) -> Self {
         Self {
             groups: Groups::new(count, rule),
             in_vain: AtomicUsize::new(0),
