@@ -9,6 +9,8 @@
 //!   included;
 //! - `frame/rapier/10k`, one thread: kinematic bodies with balls of 0.5 m as sensors in rapier's collision pipeline. It finds
 //!   those that overlap now, and looks at nothing ahead;
+//! - `frame/shots/5k`, `frame/shots_without_layers/5k`, one thread: as `told`, of 98 ships in 80^3 m each, with 50 shots
+//!   each at 300 m/s, and a margin of 0 m. Shots ignore each other, or may meet;
 //! - `closest_approach/polycool/random`: solves of the benchmark `kernels`, the unit of the ratios.
 //!
 //! After the run a table is printed: times in solves, which are measured after each sample, for the frames'
@@ -32,6 +34,8 @@ mod overlaps;
 mod ratios;
 #[path = "../examples/tradeoff/stepped/sensors.rs"]
 mod sensors;
+#[path = "frame/shots.rs"]
+mod shots;
 #[path = "frame/world.rs"]
 mod world;
 
@@ -118,6 +122,12 @@ fn main() {
         run.measure(("told", bodies), threads, Told::new);
     }
     run.measure(("rapier", 10_000), 1, overlaps::Overlaps::new);
+    run.measure(("shots", 5_000), 1, Told::shots);
+    run.measure(
+        ("shots_without_layers", 5_000),
+        1,
+        Told::shots_without_layers,
+    );
     run.criterion.final_summary();
     // A smoke test passes `--test`: its times say nothing.
     let arguments: Vec<String> = std::env::args().collect();

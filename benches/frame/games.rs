@@ -1,6 +1,7 @@
 //! Games: a world, and those that are told of all its bodies in each frame.
 
-use super::world::{MARGIN, World};
+use super::shots::Shots;
+use super::world::{MARGIN, MovingBodies, World};
 use nearmiss::{AlertLevel, Event, Monitor, Query, Scene, Window};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -41,7 +42,7 @@ impl Game for UpdateScreen {
         self.world.step();
         let now = self.world.now();
         let begin = Instant::now();
-        let updated = self.scene.update(self.world.states.iter().copied());
+        let updated = self.scene.update(self.world.states().iter().copied());
         let screening = updated.and_then(|()| {
             let query = Query::new(Window::new(now, now + LOOKAHEAD)?).with_margin(MARGIN);
             self.scene.screen(&query)
@@ -61,18 +62,35 @@ impl Game for UpdateScreen {
 }
 
 /// A monitor that tracks all bodies.
-pub(crate) struct Told {
-    world: World,
+pub(crate) struct Told<W> {
+    world: W,
     monitor: Monitor,
     events: Vec<Event>,
 }
 
-impl Told {
-    /// Returns a game whose lookahead is known.
+impl Told<World> {
     pub(crate) fn new(bodies: u32) -> Self {
-        let (world, scene) = World::new(bodies);
+        Self::of(World::new(bodies), MARGIN)
+    }
+}
+
+impl Told<Shots> {
+    /// Returns ships whose shots ignore each other.
+    pub(crate) fn shots(bodies: u32) -> Self {
+        Self::of(Shots::new(bodies, true), 0.0)
+    }
+
+    /// Returns ships whose shots may meet each other.
+    pub(crate) fn shots_without_layers(bodies: u32) -> Self {
+        Self::of(Shots::new(bodies, false), 0.0)
+    }
+}
+
+impl<W: MovingBodies> Told<W> {
+    /// Returns a game whose lookahead is known.
+    fn of((world, scene): (W, Scene), margin: f64) -> Self {
         let mut events = Vec::new();
-        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(MARGIN)]);
+        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(margin)]);
         let monitor = monitor.and_then(|mut monitor| {
             monitor.advance(0.0, &mut events)?;
             Ok(monitor)
@@ -85,13 +103,13 @@ impl Told {
     }
 }
 
-impl Game for Told {
+impl<W: MovingBodies> Game for Told<W> {
     fn frame(&mut self) -> Duration {
         self.world.step();
         let now = self.world.now();
         self.events.clear();
         let begin = Instant::now();
-        let tracked = self.monitor.track(now, self.world.states.iter().copied());
+        let tracked = self.monitor.track(now, self.world.states().iter().copied());
         let advanced = tracked.and_then(|()| self.monitor.advance(now, &mut self.events));
         black_box(&self.events);
         let time = begin.elapsed();

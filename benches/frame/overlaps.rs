@@ -2,7 +2,7 @@
 
 use super::games::Game;
 use super::sensors::Sensors;
-use super::world::World;
+use super::world::{MovingBodies, World};
 use nearmiss::glam::Vec3;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -38,7 +38,7 @@ impl Overlaps {
         Self {
             scale,
             positions: Vec::new(),
-            sensors: Sensors::new(f64::from(BALL), world.states.len()),
+            sensors: Sensors::new(f64::from(BALL), world.states().len()),
             world,
             counts: [0; 2],
         }
@@ -60,7 +60,7 @@ impl Overlaps {
 impl Game for Overlaps {
     fn frame(&mut self) -> Duration {
         self.world.step();
-        let states = self.world.states.iter();
+        let states = self.world.states().iter();
         self.positions.clear();
         self.positions
             .extend(states.map(|(_, state)| self.scale * state.position.as_vec3()));

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
 /// Duration of a frame, s.
-const STEP: f64 = 1.0 / 60.0;
+pub(crate) const STEP: f64 = 1.0 / 60.0;
 /// m.
 const RADIUS: f64 = 0.5;
 /// m.
@@ -19,6 +19,18 @@ const SPEED: f64 = 10.0;
 /// One body in so many changes its velocity in a frame.
 const STEADY: u32 = 20;
 
+/// Bodies that move by frames.
+pub(crate) trait MovingBodies {
+    /// Returns the time of the present frame, s.
+    fn now(&self) -> f64;
+
+    /// Returns all bodies and their present states.
+    fn states(&self) -> &[(BodyId, State)];
+
+    /// Moves all bodies by a frame.
+    fn step(&mut self);
+}
+
 /// Bodies in a cube at constant density.
 #[derive(Debug)]
 pub(crate) struct World {
@@ -26,8 +38,7 @@ pub(crate) struct World {
     /// Half the side of the cube, m.
     half: f64,
     frame: u32,
-    /// All bodies and their present states.
-    pub(crate) states: Vec<(BodyId, State)>,
+    states: Vec<(BodyId, State)>,
 }
 
 impl World {
@@ -56,14 +67,19 @@ impl World {
         };
         (world, scene)
     }
+}
 
-    /// Returns the time of the present frame, s.
-    pub(crate) fn now(&self) -> f64 {
+impl MovingBodies for World {
+    fn now(&self) -> f64 {
         f64::from(self.frame) * STEP
     }
 
-    /// Moves all bodies by a frame. A body that changes its velocity outside of the cube turns back.
-    pub(crate) fn step(&mut self) {
+    fn states(&self) -> &[(BodyId, State)] {
+        &self.states
+    }
+
+    /// A body that changes its velocity outside of the cube turns back.
+    fn step(&mut self) {
         self.frame += 1;
         let now = self.now();
         for (_, state) in &mut self.states {

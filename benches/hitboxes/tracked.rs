@@ -1,6 +1,6 @@
 //! Bodies of one kind under a monitor that is told of all of them in each frame.
 
-use crate::world::{MARGIN, World};
+use crate::world::{MARGIN, MovingBodies, World};
 use nearmiss::glam::{DQuat, DVec3};
 use nearmiss::{AlertLevel, Body, BodyId, BodyState, Event, Hitbox, Monitor, Scene, Trajectory};
 use std::hint::black_box;
@@ -34,7 +34,7 @@ impl Tracked {
         let (world, _) = World::new(count);
         let mut scene = Scene::new();
         let (mut ids, mut turns) = (Vec::new(), Vec::new());
-        for (_, state) in &world.states {
+        for (_, state) in world.states() {
             let (hitbox, turn) = make();
             let body = Body::new(Trajectory::coasting(*state).unwrap()).with_hitbox(hitbox);
             ids.push(scene.insert(body).unwrap());
@@ -67,7 +67,7 @@ impl Tracked {
     }
 
     fn tell(&mut self, now: f64) -> Duration {
-        let told = self.ids.iter().zip(&self.world.states).zip(&self.turns);
+        let told = self.ids.iter().zip(self.world.states()).zip(&self.turns);
         self.states.clear();
         self.states.extend(told.map(|((&id, (_, state)), turn)| {
             let state = BodyState::from(*state);
