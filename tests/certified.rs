@@ -112,6 +112,32 @@ fn what_is_proven_outside_is_not_reported() {
     assert!(apart > 1_000, "{apart}");
 }
 
+/// Bodies that leave a third one, or come to it, with more and more speed: nearest at an end of the
+/// span, where the distance is known at once, however little is known of the rest.
+#[test]
+fn the_end_of_a_span_is_enclosed_to_a_few_roundings() {
+    let resting = Body::new(line([0.0, 1.0], DVec3::ZERO, DVec3::ZERO));
+    for (from, to, speeds, nearest) in [
+        (0.0, 1.0, [1.0, 3.0], 0.0),
+        (0.0, 1.0, [1.0, 2.999_999_999_9], 0.0),
+        (1.0, 2.0, [1.0, 3.0], 0.0),
+        (-1.0, 0.0, [3.0, 1.0], 1.0),
+        (-2.0, -1.0, [3.0, 1.0], 1.0),
+    ] {
+        let states = [(0.0, from, speeds[0]), (1.0, to, speeds[1])]
+            .map(|(t, x, v)| State::new(t, x * DVec3::X, v * DVec3::X));
+        let moving = Body::new(Trajectory::from_states(&states).unwrap());
+        let window = Window::new(0.0, 1.0).unwrap();
+        let found = nearmiss::pair::certified_closest_approach(&moving, &resting, window);
+        let found = found.unwrap().unwrap();
+        let least = f64::min(f64::abs(from), f64::abs(to));
+        assert!((found.approach.separation - least).abs() <= found.error);
+        // The slope is 1 m/s there; a few ten roundings of 2 m.
+        assert!(holds(found.time, nearest), "{found:?}");
+        assert!(found.time.latest - found.time.earliest < 1e-13, "{found:?}");
+    }
+}
+
 /// Rounding cannot tell a touch from a miss: reported, and marked.
 #[test]
 fn a_touch_is_unresolved() {

@@ -1,11 +1,11 @@
 //! The certified minimum: split at the guess, bound both sides, branch if needed.
 
 use super::minorant::Minorant;
-use super::part::{from_nearer, part, point, split};
+use super::part::{part, point, split};
+use super::reach::{NARROW, can_reach, farthest_reached, minorant_between, outward};
 use super::scaled::{SLACK, ScaledCubic, TINY};
 use super::stationary::stationary_reach;
 use super::{DistanceEnclosure, Effort, LeastDistance, ParameterEnclosure, UncertainCubic};
-use crate::blossom::ControlPolygon;
 use crate::guess::least_point;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
@@ -14,57 +14,30 @@ use crate::rounding::UNIT_ROUNDOFF;
 /// input needs 2, the worst adversarial input found fewer than 100.
 const MAX_PARTS: usize = 256;
 
-/// Returns the minorant of the part between `a` and `b` around the end with the smaller distance,
-/// then that end and the other one.
-#[inline(always)]
-fn minorant_between(points: &ControlPolygon, a: f64, b: f64) -> (Minorant, f64, f64) {
-    let (part, is_reversed) = from_nearer(&part(points, a, b));
-    // Without a branch, which nobody could predict.
-    let (base, tip) = if is_reversed { (b, a) } else { (a, b) };
-    (Minorant::of(&part), base, tip)
-}
-
-/// Returns the parameters between `base` and `tip` at which the squared distance can be at most
-/// `bound`, with the minorant of that part around `base`.
-#[inline]
-fn can_reach(minorant: &Minorant, bound: f64, base: f64, tip: f64) -> Option<ParameterEnclosure> {
-    if minorant.lower() > bound {
-        return None;
-    }
-    let reach = minorant.parameter_bound(bound) * (tip - base);
-    let farthest = if reach < 0.0 {
-        outward(base + reach, -1.0).or_more(tip)
-    } else {
-        outward(base + reach, 1.0).or_less(tip)
-    };
-    Some(ParameterEnclosure {
-        first: base.or_less(farthest),
-        last: base.or_more(farthest),
-    })
-}
-
-/// Returns `s` moved up (`direction` 1) or down (-1) by more than a sum's rounding.
-#[inline]
-fn outward(s: f64, direction: f64) -> f64 {
-    s + direction * (4.0 * UNIT_ROUNDOFF * s.abs())
-}
-
 impl UncertainCubic {
     /// Returns the least distance from the origin, of an exact motion that is a cubic.
     #[must_use]
     pub fn least_distance(&self) -> LeastDistance {
         let cubic = ScaledCubic::new(self);
         let (search, least) = searched(&cubic);
-        LeastDistance {
-            parameter: search.narrowed(least.parameter),
-            ..least
-        }
+        let narrowed = search.narrowed(least.parameter);
+        let parameter = if narrowed.last - narrowed.first > NARROW {
+            search.narrowed(search.trimmed(narrowed))
+        } else {
+            narrowed
+        };
+        LeastDistance { parameter, ..least }
     }
 
     /// Returns the least distance from the origin, of any motion within the error.
     #[must_use]
     pub fn least_distance_of_any_motion(&self) -> LeastDistance {
-        searched(&ScaledCubic::new(self)).1
+        let cubic = ScaledCubic::new(self);
+        let (search, least) = searched(&cubic);
+        LeastDistance {
+            parameter: search.trimmed(least.parameter),
+            ..least
+        }
     }
 
     /// Returns the least distance, and a parameter at which it is attained; faster if that is
@@ -112,8 +85,8 @@ impl UncertainCubic {
     }
 }
 
-/// Returns a search for the least distance at its end, and the result for any motion within the
-/// error: slopes tell nothing about its parameters.
+/// Returns a search for the least distance at its end, and the result with the parameters that its
+/// quadratics leave.
 #[inline]
 fn searched(cubic: &ScaledCubic) -> (BranchAndBound<'_>, LeastDistance) {
     let (mut search, minorants) = BranchAndBound::new(cubic, least_point(&cubic.points));
@@ -223,6 +196,18 @@ impl<'c> BranchAndBound<'c> {
         let reached = sides.map(|(minorant, tip)| can_reach(minorant, bound, self.best, tip));
         let reached = reached.into_iter().flatten();
         reached.reduce(ParameterEnclosure::hull)
+    }
+
+    /// Returns the hull without what a few divisions show to be above the minimum, on either side
+    /// of the best point. The search itself divides no more than the distance needs.
+    fn trimmed(&self, hull: ParameterEnclosure) -> ParameterEnclosure {
+        let bound = largest_square(self.error, self.square);
+        let [first, last] = [hull.first, hull.last]
+            .map(|tip| farthest_reached(&self.cubic.points, bound, self.best, tip));
+        ParameterEnclosure {
+            first: first.or_more(hull.first),
+            last: last.or_less(hull.last),
+        }
     }
 
     /// Returns the hull, narrowed by the slope at the best point if the distance is convex there.
@@ -389,20 +374,6 @@ mod tests {
             let high = number(found.high) - number(error);
             let square_above = number(square) * (number(1.0) + number(3.0 * UNIT_ROUNDOFF));
             assert!(&high * &high >= square_above, "{square} {error}");
-        }
-    }
-
-    /// Sums and differences of parameters, also next to zero.
-    #[test]
-    fn parameters_are_rounded_outward() {
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        for round in 0..10_000 {
-            let size = [1.0, 1e-3, 1e-300, 5e-324][round % 4];
-            let (s, way): (f64, f64) = (random.random(), size * random.random_range(0.5..1.0));
-            let exact = number(s) + number(way);
-            assert!(number(outward(s + way, 1.0)) >= exact, "{s} {way}");
-            let exact = number(s) - number(way);
-            assert!(number(outward(s - way, -1.0)) <= exact, "{s} {way}");
         }
     }
 

@@ -122,6 +122,12 @@
 //! **When.** At a minimiser of the exact distance that distance is at most m + F, the computed one
 //! at most m + 2 F. What the quadratics of all parts leave below that bound is a first enclosure of
 //! all minimisers; its width is of the order of sqrt(m F / c2), the best that values can tell.
+//! Long parts may leave far more: where the guess is an end of 0..=1, the distance is tight at once,
+//! however coarse the quadratic of all the rest. So a wide enclosure is trimmed on both sides. The
+//! outermost part that can be below the bound is divided, and dropped once it cannot. This goes on
+//! until a point below the bound is at least half as far out as the enclosure reaches. At most 32
+//! parts are looked at on a side.
+//!
 //! Slopes tell more. The error is a cubic that stays below F on the part, so by Markov's
 //! inequalities (along any direction) its three derivatives by x stay below 18 F, 96 F and 192 F.
 //! So at the base h·h' is known to F |h'| + 18 F |h|; let G be the largest value it can have. Over
@@ -195,6 +201,7 @@ mod cubic;
 mod minimum;
 mod minorant;
 mod part;
+mod reach;
 mod scaled;
 mod stationary;
 mod stretches;

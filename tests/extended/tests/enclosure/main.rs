@@ -12,6 +12,7 @@ mod campaign;
 mod case;
 #[path = "../oracle_support/mod.rs"]
 mod oracle_support;
+mod sharp;
 
 use campaign::{Table, run};
 use case::{Case, largest_norm};
