@@ -128,7 +128,7 @@ pub struct Certificate {
     pub enter: TimeEnclosure,
     /// End of the conflict.
     pub exit: TimeEnclosure,
-    /// All instants of least separation.
+    /// All instants of least separation; between `enter.earliest` and `exit.latest`.
     pub closest: TimeEnclosure,
 }
 
@@ -136,6 +136,14 @@ impl TimeEnclosure {
     /// Returns the instant within the enclosure that is nearest to `time`.
     pub(crate) fn nearest(self, time: f64) -> f64 {
         time.max(self.earliest).min(self.latest)
+    }
+
+    /// Returns the part between two instants, between which the exact one lies as well.
+    pub(crate) fn within(self, start: f64, end: f64) -> Self {
+        Self {
+            earliest: self.earliest.max(start).min(end),
+            latest: self.latest.min(end).max(start),
+        }
     }
 
     /// Returns the smallest enclosure of both.

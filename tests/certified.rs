@@ -138,6 +138,35 @@ fn the_end_of_a_span_is_enclosed_to_a_few_roundings() {
     }
 }
 
+/// Least at a flat place, and the margin a few roundings above that. The instants that values and
+/// slopes leave to the least distance would reach beyond a conflict that short.
+#[test]
+fn the_closest_approach_is_enclosed_within_the_conflict() {
+    let mut found = 0;
+    for (aside, step) in [(0.3, 1e-16), (3.0, 1e-15)] {
+        // x = (t - 0.4)³
+        let states = [0.0, 1.0].map(|t: f64| {
+            let since = t - 0.4;
+            let place = DVec3::new(since.powi(3), aside, 0.0);
+            State::new(t, place, 3.0 * since * since * DVec3::X)
+        });
+        let moving = Trajectory::from_states(&states).unwrap();
+        let resting = line([0.0, 1.0], DVec3::ZERO, DVec3::ZERO);
+        let scene = scene([moving, resting].map(|plan| (plan, Hitbox::POINT)));
+        for steps in 0..400 {
+            let margin = aside + f64::from(steps) * step;
+            for (conflict, proof) in certified(&scene, margin, Window::ALL) {
+                found += 1;
+                let TimeEnclosure { earliest, latest } = proof.closest;
+                assert!(proof.enter.earliest <= earliest, "{margin} {proof:?}");
+                assert!(latest <= proof.exit.latest, "{margin} {proof:?}");
+                assert!(holds(proof.closest, conflict.closest.time));
+            }
+        }
+    }
+    assert_eq!(found, 800);
+}
+
 /// Rounding cannot tell a touch from a miss: reported, and marked.
 #[test]
 fn a_touch_is_unresolved() {

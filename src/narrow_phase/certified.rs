@@ -383,6 +383,7 @@ impl MergedConflict<'_> {
         if !resolved && least.low > band.margin {
             return None;
         }
+        let least = least.within(self.start, self.end);
         let (closest, error) = least.settle(closest);
         Some(CertifiedContact {
             contact: Contact {

@@ -158,6 +158,8 @@ fn check_proof(
         .fold(f64::INFINITY, f64::min);
     assert!(least >= low - rounding, "{seed}: {least} {conflict:?}");
     assert!(least <= high + rounding, "{seed}: {least} {conflict:?}");
+    let is_within = whole.0 <= proof.closest.earliest && proof.closest.latest <= whole.1;
+    assert!(is_within, "{seed}: {conflict:?}");
     // No instant outside the enclosure of the closest approach is nearer than those in it.
     let ends = (proof.closest.earliest, proof.closest.latest);
     let inside = during(ends)

@@ -155,6 +155,15 @@ impl SeparationEnclosure {
         })
     }
 
+    /// Returns the enclosure with instants between two alone, between which the least is attained.
+    pub(super) fn within(self, start: f64, end: f64) -> Self {
+        Self {
+            time: self.time.within(start, end),
+            own: self.own.within(start, end),
+            ..self
+        }
+    }
+
     /// Returns an approach moved into the enclosure, and the half-width around its separation.
     pub(super) fn settle(&self, mut approach: Approach) -> (Approach, f64) {
         let (time, span) = (self.time.nearest(approach.time), approach.span);

@@ -241,6 +241,9 @@ fn disordered(conflict: &Conflict, proof: &Certificate, range: (f64, f64)) -> Op
     if !holds(proof.closest, conflict.closest.time) {
         return Some("the closest approach is outside its enclosure");
     }
+    if proof.closest.earliest < proof.enter.earliest || proof.closest.latest > proof.exit.latest {
+        return Some("the enclosure of the closest approach leaves the conflict");
+    }
     if conflict.enter > conflict.exit || !(proof.error >= 0.0 && proof.error.is_finite()) {
         return Some("no interval, or no error");
     }
