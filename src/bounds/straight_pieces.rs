@@ -9,6 +9,7 @@ use super::straight_part::StraightPart;
 use crate::count::short;
 use crate::trajectory::{StraightMotion, Trajectory};
 use parry3d::bounding_volume::Aabb;
+use std::ops::RangeInclusive;
 
 /// Straight motions, one after another.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +62,17 @@ impl<'a> StraightPieces<'a> {
         &self,
         slice_interval: &SliceInterval<MOVES>,
     ) -> (FatLine, Aabb) {
+        self.bounds_by_jump(slice_interval, false).0
+    }
+
+    /// Returns the bounds of the body in a slice, or in its two parts if it jumps in between and `splits` is true: the
+    /// bounds of both parts would hold all that lies between the two places.
+    #[inline(always)]
+    pub(crate) fn bounds_by_jump<const MOVES: bool>(
+        &self,
+        slice_interval: &SliceInterval<MOVES>,
+        splits: bool,
+    ) -> ((FatLine, Aabb), Option<(FatLine, Aabb)>) {
         let count = self.motions.len();
         let ends = &self.knots[1..count];
         // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
@@ -72,21 +84,57 @@ impl<'a> StraightPieces<'a> {
             .iter()
             .take_while(|&&end| end <= slice_interval.to);
         let last = first + later.count();
-        let (from, to) = (slice_interval.from, slice_interval.to);
-        let builder = if first == last {
-            BoundsBuilder::straight(&self.part(first, (from, to)), slice_interval)
-        } else {
-            let head = self.part(first, (from, self.knots[first + 1]));
-            let tail = self.part(last, (self.knots[last], to));
-            let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
-            for number in first + 1..last {
-                let ends = (self.knots[number], self.knots[number + 1]);
-                builder.go_straight(&self.part(number, ends));
-            }
-            builder.go_straight(&tail);
-            builder
+        let number = short(self.before + first);
+        if first == last {
+            let interval = (slice_interval.from, slice_interval.to);
+            let builder = BoundsBuilder::straight(&self.part(first, interval), slice_interval);
+            return (builder.finish(&self.placement, number), None);
+        }
+        let (builder, jump) = self.along(first..=last, slice_interval);
+        let Some(after) = jump.filter(|_| splits) else {
+            return (builder.finish(&self.placement, number), None);
         };
-        builder.finish(&self.placement, short(self.before + first))
+        // Both are examined from the first cubic of the slice on.
+        let [before, after] = [first..=after - 1, after..=last]
+            .map(|pieces| self.along(pieces, slice_interval).0)
+            .map(|builder| builder.finish(&self.placement, number));
+        (before, Some(after))
+    }
+
+    /// Returns the bounds of some consecutive pieces in a slice, and the number of the first one to which the body jumps.
+    #[inline(always)]
+    fn along<const MOVES: bool>(
+        &self,
+        pieces: RangeInclusive<usize>,
+        slice_interval: &SliceInterval<MOVES>,
+    ) -> (BoundsBuilder<MOVES>, Option<usize>) {
+        let (first, last) = pieces.into_inner();
+        let (from, to) = (slice_interval.from, slice_interval.to);
+        let ends = |number: usize| (from.max(self.knots[number]), to.min(self.knots[number + 1]));
+        let (mut before, tail) = (self.part(first, ends(first)), self.part(last, ends(last)));
+        let mut builder = BoundsBuilder::along(&before, &tail, slice_interval);
+        let mut jump = None;
+        for number in first + 1..=last {
+            let part = if number == last {
+                tail
+            } else {
+                self.part(number, ends(number))
+            };
+            builder.go_straight(&part);
+            if jump.is_none() && self.jumps_between(&before, &part) {
+                jump = Some(number);
+            }
+            before = part;
+        }
+        (builder, jump)
+    }
+
+    /// Returns true if a part begins farther from the end of the part before it than either of them moves.
+    #[inline(always)]
+    fn jumps_between(&self, before: &StraightPart, after: &StraightPart) -> bool {
+        let ways = (before.last - before.first).abs() + (after.last - after.first).abs();
+        let jump = (after.first - before.last).abs();
+        f64::from(jump.max_element()) > f64::from(ways.max_element()) + self.placement.reach()
     }
 
     /// Returns the part of a motion between two instants (s).
@@ -98,7 +146,8 @@ impl<'a> StraightPieces<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CubicSource, Frame, Padding};
+    use super::super::{CubicSource, Frame, MovingFrame, Padding};
+    use super::*;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::rounding::exact::{Exact, number};
@@ -135,13 +184,30 @@ mod tests {
         trajectory
     }
 
+    /// Returns the bounds in the two parts of a slice, if the body jumps in it.
+    fn parts_by_jump(
+        trajectory: &Trajectory,
+        padding: &Padding,
+        frame: &MovingFrame,
+        ends: &[f64],
+    ) -> Option<[(FatLine, Aabb); 2]> {
+        let interval = (ends[0], ends[1]);
+        let pieces = StraightPieces::over(trajectory, 0, interval, (padding, frame))?;
+        let (before, after) = if frame.moves() {
+            pieces.bounds_by_jump(&frame.slice_interval(ends[0], ends[1]), true)
+        } else {
+            pieces.bounds_by_jump(&SliceInterval::new(ends[0], ends[1]), true)
+        };
+        after.map(|after| [before, after])
+    }
+
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
     /// solver's error around it: also where its states are old, and their way cancels with their position.
     #[test]
     fn motions_told_one_after_another_are_held() {
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(11);
-        let (mut tightest, mut replaced) = (f64::INFINITY, 0);
+        let (mut tightest, mut replaced, mut jumped) = (f64::INFINITY, 0, 0);
         for round in 0..600 {
             let age = [0.0, 1.0, 1e6, 1e9, 1e13][round % 5];
             let far = [1.0, 1e5][round / 5 % 2];
@@ -170,7 +236,9 @@ mod tests {
                 ends: &ends,
             });
             for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
-                let (line, aabb) = (&slice.fat_lines[0], &slice.boxes[0].aabb);
+                let whole = (slice.fat_lines[0], slice.boxes[0].aabb);
+                let parts = parts_by_jump(&trajectory, &padding, &moving, ends);
+                jumped += usize::from(parts.is_some());
                 for step in 0..=4 {
                     let share = f64::from(step) / 4.0;
                     let time = ends[0] + share * (ends[1] - ends[0]);
@@ -187,7 +255,7 @@ mod tests {
                     let position = position.minus(&Exact::of(frame.origin));
                     let moved = Exact::of(common).times(&(number(time) - number(ends[0])));
                     let error = motion.segment().restrict(time, time).error;
-                    let inside = |seen: f64| {
+                    let inside = |aabb: &Aabb, seen: f64| {
                         let room = DVec3::splat(seen * error);
                         let [low, high] = [aabb.mins, aabb.maxs].map(|corner| {
                             DVec3::new(corner.x.into(), corner.y.into(), corner.z.into())
@@ -196,19 +264,25 @@ mod tests {
                         let relative = position.minus(&moved).minus(&Exact::of(middle));
                         relative.is_within_box((high - low) * 0.5 - room)
                     };
-                    assert!(inside(SEEN), "{round} {time} {trajectory:?}");
+                    assert!(inside(&whole.1, SEEN), "{round} {time} {trajectory:?}");
                     let mut most = SEEN;
-                    while most < 1e3 && inside(most) {
+                    while most < 1e3 && inside(&whole.1, most) {
                         most *= 1.2;
                     }
                     tightest = tightest.min(most);
                     let vector =
                         |coordinates: [f32; 3]| DVec3::from_array(coordinates.map(f64::from));
-                    let on_line = Exact::of(vector(line.start))
-                        .plus(&Exact::of(vector(line.change)).times(&number(share)));
+                    let on_line = |line: &FatLine| {
+                        let point = Exact::of(vector(line.start))
+                            .plus(&Exact::of(vector(line.change)).times(&number(share)));
+                        position.minus(&point).is_within(line.radius.into())
+                    };
+                    assert!(on_line(&whole.0), "{round} {time}");
+                    let is_held =
+                        |(line, aabb): &(FatLine, Aabb)| on_line(line) && inside(aabb, SEEN);
                     assert!(
-                        position.minus(&on_line).is_within(line.radius.into()),
-                        "{round} {time}"
+                        parts.is_none_or(|parts| parts.iter().any(is_held)),
+                        "{round} {time} {trajectory:?}"
                     );
                 }
             }
@@ -216,5 +290,6 @@ mod tests {
         // Where that error is all there is, it is held about eight times; that of a state whose time is coarse is three
         // times as large.
         assert!(tightest < 12.0 && replaced > 1_000, "{tightest} {replaced}");
+        assert!(jumped > 400, "{jumped}");
     }
 }

@@ -4,7 +4,7 @@ use crate::broad_phase::{Groups, PairFilter};
 
 /// A filter of bodies, asked about their places in a list.
 pub(super) struct ByPlace<'a, F: ?Sized> {
-    /// Ascending.
+    /// Ascending; one that jumps may be there twice.
     pub(super) bodies: &'a [u32],
     pub(super) filter: &'a F,
 }
@@ -12,9 +12,9 @@ pub(super) struct ByPlace<'a, F: ?Sized> {
 impl<F: PairFilter + ?Sized> PairFilter for ByPlace<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
-        // Bodies ascend with places: they are in the same order.
-        self.filter
-            .admits(self.bodies[a as usize], self.bodies[b as usize])
+        // They are in the same order. A body that jumps has two places.
+        let (a, b) = (self.bodies[a as usize], self.bodies[b as usize]);
+        a != b && self.filter.admits(a, b)
     }
 
     #[inline]

@@ -15,7 +15,7 @@ pub(crate) struct SliceBounds {
     /// The `body` of a box is its place in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) fat_lines: Vec<FatLine>,
-    /// Bodies by place, ascending.
+    /// Bodies by place, ascending; one that jumps in the slice may have two places.
     pub(crate) bodies: Vec<u32>,
 }
 

@@ -75,11 +75,13 @@ impl SlicesToForm<'_> {
             bodies,
             present: self.present.iter().copied(),
             ends: self.ends,
+            splits_jumps: true,
             put: |(_, body), slice: usize, bounds| slices[slice].push(body, bounds),
         });
     }
 
-    /// Forms those of one slice on several threads. Returns false if not all bodies exist in it.
+    /// Forms those of one slice on several threads. Returns false if it has not one box for each body: if a body does
+    /// not exist in it, or jumps.
     fn form_shared<B: SourcesInPlace>(&mut self, bodies: &B) -> bool {
         let (present, ends, frame) = (self.present, self.ends, self.frame);
         let instructions = self.instructions;
@@ -95,31 +97,35 @@ impl SlicesToForm<'_> {
         slice.boxes.resize(present.len(), any);
         slice.fat_lines.resize(present.len(), FatLine::default());
         let lists = (&mut slice.boxes[..], &mut slice.fat_lines[..]);
-        let mut formed = vec![0; present.len().div_ceil(Self::SHARE)];
+        let mut are_formed = vec![true; present.len().div_ceil(Self::SHARE)];
         parallel::for_each_share(
             lists,
-            &mut formed,
+            &mut are_formed,
             Self::SHARE,
-            |share, (boxes, lines), formed| {
+            |share, (boxes, lines), are_formed| {
                 let first = share * Self::SHARE;
+                let mut next = 0;
                 instructions.run(FormInPlace {
                     instructions,
                     frame,
                     bodies,
                     present: present[first..first + boxes.len()].iter().copied(),
                     ends,
+                    splits_jumps: true,
                     put: |(number, _), _, (fat_line, aabb)| {
                         let body = short(first + number);
                         boxes[number] = BodyBox { aabb, body };
                         lines[number] = fat_line;
-                        *formed += 1;
+                        *are_formed &= number == next;
+                        next += 1;
                     },
                 });
+                *are_formed &= next == boxes.len();
             },
         );
         slice.bodies.clear();
         slice.bodies.extend_from_slice(present);
-        formed.iter().sum::<usize>() == present.len()
+        are_formed.into_iter().all(|is_formed| is_formed)
     }
 }
 
@@ -131,6 +137,8 @@ pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) present: I,
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
+    /// True if a body that jumps in a slice may have two boxes there: before the jump, and after it.
+    pub(crate) splits_jumps: bool,
     /// Takes the bounds of a body, given by number and name, in a slice.
     pub(crate) put: P,
 }
@@ -188,7 +196,11 @@ where
             let mut put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
             if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
-                    put(slice, pieces.bounds(slice_interval));
+                    let (bounds, after) = pieces.bounds_by_jump(slice_interval, self.splits_jumps);
+                    put(slice, bounds);
+                    if let Some(after) = after {
+                        put(slice, after);
+                    }
                 }
             } else {
                 // A call of its own: inlined here, it would take registers from the branch above.

@@ -248,7 +248,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            self.form(&[from, middle, to], &slice.bodies, &mut halves);
+            // One that jumps is there twice.
+            let mut present = slice.bodies.clone();
+            present.dedup();
+            self.form(&[from, middle, to], &present, &mut halves);
         }
         let whole = BoxSizes::of(&slice.boxes);
         let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));

@@ -25,6 +25,7 @@ mod restored;
 mod scenarios;
 #[path = "../support/mod.rs"]
 mod support;
+mod teleports;
 mod threads;
 mod tracked;
 mod tracked_calls;
