@@ -111,8 +111,10 @@ use std::slice::from_ref;
 )]
 pub struct Scene {
     slots: Vec<Slot>,
-    /// The key of each slot: ids and layers are checked without fetching bodies.
+    /// The key of each slot: ids are checked without fetching bodies.
     keys: Vec<SlotKey>,
+    /// The layers of the body in each slot: those of pairs are compared without fetching bodies.
+    layers: Vec<Layers>,
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
@@ -165,14 +167,12 @@ impl Scene {
         if self.free.pop().is_none() {
             self.slots.push(Slot::default());
             self.keys.push(SlotKey::default());
+            self.layers.push(body.layers);
         }
         self.kinds.add(&body);
         let place = id.slot as usize;
-        self.keys[place] = SlotKey {
-            generation: id.generation,
-            is_taken: true,
-            layers: body.layers,
-        };
+        self.keys[place].is_taken = true;
+        self.layers[place] = body.layers;
         self.slots[place].entry = Some(SceneEntry::new(body, &mut self.arena));
         self.len += 1;
         self.tidy();
@@ -240,8 +240,11 @@ impl Scene {
     /// Returns true if there is a body with this id.
     #[inline]
     pub(crate) fn has(&self, id: BodyId) -> bool {
-        let key = self.taken(id.slot);
-        key.is_some_and(|key| key.generation == id.generation)
+        let key = SlotKey {
+            generation: id.generation,
+            is_taken: true,
+        };
+        self.keys.get(id.slot as usize) == Some(&key)
     }
 
     /// Returns all bodies, in the order of their ids' slots.
@@ -308,7 +311,7 @@ impl Scene {
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<Layers, Error> {
         let old = std::mem::replace(&mut self.entry_mut(id)?.0.body.layers, layers);
-        self.keys[id.slot as usize].layers = layers;
+        self.layers[id.slot as usize] = layers;
         self.kinds.add_layers(layers);
         self.kinds.remove_layers(old);
         Ok(old)
@@ -453,6 +456,7 @@ impl Clone for Scene {
         Self {
             slots: slots.collect(),
             keys: self.keys.clone(),
+            layers: self.layers.clone(),
             free: self.free.clone(),
             ignored: self.ignored.clone(),
             len: self.len,

@@ -1,5 +1,6 @@
 //! Straight motions, one after another, and their bounds in a slice.
 
+use super::ROUNDING;
 use super::builder::BoundsBuilder;
 use super::fat_line::FatLine;
 use super::frame::{Frame, Padding};
@@ -62,19 +63,83 @@ impl<'a> StraightPieces<'a> {
         &self,
         slice_interval: &SliceInterval<MOVES>,
     ) -> (FatLine, Aabb) {
-        self.bounds_by_jump(slice_interval, false).0
+        let (first, last) = self.pieces_in(slice_interval);
+        let (from, to) = (slice_interval.from, slice_interval.to);
+        let builder = if first == last {
+            BoundsBuilder::straight(&self.part(first, (from, to)), slice_interval)
+        } else {
+            let head = self.part(first, (from, self.knots[first + 1]));
+            let tail = self.part(last, (self.knots[last], to));
+            let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
+            for number in first + 1..last {
+                let ends = (self.knots[number], self.knots[number + 1]);
+                builder.go_straight(&self.part(number, ends));
+            }
+            builder.go_straight(&tail);
+            builder
+        };
+        builder.finish(&self.placement, short(self.before + first))
     }
 
-    /// Returns the bounds of the body in a slice, or in its two parts if it jumps in between and `splits` is true: the
-    /// bounds of both parts would hold all that lies between the two places.
+    /// Returns the bounds in the two parts of a slice, before a jump of the body and after it, if there is one. The given
+    /// line, of the whole slice, tells most of those that do not jump: for these it costs nothing.
     #[inline(always)]
     pub(crate) fn bounds_by_jump<const MOVES: bool>(
         &self,
+        line: &FatLine,
         slice_interval: &SliceInterval<MOVES>,
-        splits: bool,
-    ) -> ((FatLine, Aabb), Option<(FatLine, Aabb)>) {
-        let count = self.motions.len();
-        let ends = &self.knots[1..count];
+    ) -> Option<[(FatLine, Aabb); 2]> {
+        /// Shares of the way along a line that a body may stray from it, and of the radius without that.
+        const STRAYED: f32 = 0.25;
+        const RADIUS: f32 = 2.0;
+        let size = |lanes: [f32; 3]| {
+            lanes
+                .into_iter()
+                .fold(0.0, |most: f32, lane| most.max(lane.abs()))
+        };
+        let most = RADIUS * self.placement.reach + STRAYED * size(line.change);
+        // A body at rest strays by rounding.
+        let may_jump = line.radius > most + size(line.start) * (16.0 * ROUNDING);
+        if self.motions.len() > 1 && may_jump {
+            self.parts_by_jump(slice_interval)
+        } else {
+            None
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn parts_by_jump<const MOVES: bool>(
+        &self,
+        slice_interval: &SliceInterval<MOVES>,
+    ) -> Option<[(FatLine, Aabb); 2]> {
+        let (first, last) = self.pieces_in(slice_interval);
+        let (from, to) = (slice_interval.from, slice_interval.to);
+        let part = |number: usize| {
+            let ends = (self.knots[number], self.knots[number + 1]);
+            self.part(number, (from.max(ends.0), to.min(ends.1)))
+        };
+        let jumps = |&number: &usize| self.jumps_between(&part(number - 1), &part(number));
+        let after = (first + 1..=last).find(jumps)?;
+        let bounds = |pieces: RangeInclusive<usize>| {
+            let (head, tail) = (part(*pieces.start()), part(*pieces.end()));
+            let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
+            for number in pieces.skip(1) {
+                builder.go_straight(&part(number));
+            }
+            // Both are examined from the first cubic of the slice on.
+            builder.finish(&self.placement, short(self.before + first))
+        };
+        Some([bounds(first..=after - 1), bounds(after..=last)])
+    }
+
+    /// Returns the numbers of the first and the last piece in a slice.
+    #[inline(always)]
+    fn pieces_in<const MOVES: bool>(
+        &self,
+        slice_interval: &SliceInterval<MOVES>,
+    ) -> (usize, usize) {
+        let ends = &self.knots[1..self.motions.len()];
         // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
         let first = ends
             .iter()
@@ -83,50 +148,7 @@ impl<'a> StraightPieces<'a> {
         let later = ends[first..]
             .iter()
             .take_while(|&&end| end <= slice_interval.to);
-        let last = first + later.count();
-        let number = short(self.before + first);
-        if first == last {
-            let interval = (slice_interval.from, slice_interval.to);
-            let builder = BoundsBuilder::straight(&self.part(first, interval), slice_interval);
-            return (builder.finish(&self.placement, number), None);
-        }
-        let (builder, jump) = self.along(first..=last, slice_interval);
-        let Some(after) = jump.filter(|_| splits) else {
-            return (builder.finish(&self.placement, number), None);
-        };
-        // Both are examined from the first cubic of the slice on.
-        let [before, after] = [first..=after - 1, after..=last]
-            .map(|pieces| self.along(pieces, slice_interval).0)
-            .map(|builder| builder.finish(&self.placement, number));
-        (before, Some(after))
-    }
-
-    /// Returns the bounds of some consecutive pieces in a slice, and the number of the first one to which the body jumps.
-    #[inline(always)]
-    fn along<const MOVES: bool>(
-        &self,
-        pieces: RangeInclusive<usize>,
-        slice_interval: &SliceInterval<MOVES>,
-    ) -> (BoundsBuilder<MOVES>, Option<usize>) {
-        let (first, last) = pieces.into_inner();
-        let (from, to) = (slice_interval.from, slice_interval.to);
-        let ends = |number: usize| (from.max(self.knots[number]), to.min(self.knots[number + 1]));
-        let (mut before, tail) = (self.part(first, ends(first)), self.part(last, ends(last)));
-        let mut builder = BoundsBuilder::along(&before, &tail, slice_interval);
-        let mut jump = None;
-        for number in first + 1..=last {
-            let part = if number == last {
-                tail
-            } else {
-                self.part(number, ends(number))
-            };
-            builder.go_straight(&part);
-            if jump.is_none() && self.jumps_between(&before, &part) {
-                jump = Some(number);
-            }
-            before = part;
-        }
-        (builder, jump)
+        (first, first + later.count())
     }
 
     /// Returns true if a part begins farther from the end of the part before it than either of them moves.
@@ -134,7 +156,7 @@ impl<'a> StraightPieces<'a> {
     fn jumps_between(&self, before: &StraightPart, after: &StraightPart) -> bool {
         let ways = (before.last - before.first).abs() + (after.last - after.first).abs();
         let jump = (after.first - before.last).abs();
-        f64::from(jump.max_element()) > f64::from(ways.max_element()) + self.placement.reach()
+        jump.max_element() > ways.max_element() + self.placement.reach
     }
 
     /// Returns the part of a motion between two instants (s).
@@ -193,12 +215,13 @@ mod tests {
     ) -> Option<[(FatLine, Aabb); 2]> {
         let interval = (ends[0], ends[1]);
         let pieces = StraightPieces::over(trajectory, 0, interval, (padding, frame))?;
-        let (before, after) = if frame.moves() {
-            pieces.bounds_by_jump(&frame.slice_interval(ends[0], ends[1]), true)
+        if frame.moves() {
+            let slice_interval = frame.slice_interval(ends[0], ends[1]);
+            pieces.bounds_by_jump(&pieces.bounds(&slice_interval).0, &slice_interval)
         } else {
-            pieces.bounds_by_jump(&SliceInterval::new(ends[0], ends[1]), true)
-        };
-        after.map(|after| [before, after])
+            let slice_interval = SliceInterval::new(ends[0], ends[1]);
+            pieces.bounds_by_jump(&pieces.bounds(&slice_interval).0, &slice_interval)
+        }
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the

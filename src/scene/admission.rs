@@ -28,14 +28,15 @@ impl Scene {
             return false;
         };
         // Bodies are fetched only where it matters: one that is not cached takes as long as many comparisons.
-        key_a.layers.admits(key_b.layers)
+        let [of_a, of_b] = [a, b].map(|slot| self.layers[slot as usize]);
+        of_a.admits(of_b)
             && (margin >= 0.0 || self.can_reach(a, b, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(key_a.id(a), key_b.id(b)))
     }
 
     /// Returns the layers of the body in a slot, if there is one.
     pub(crate) fn layers(&self, slot: u32) -> Option<Layers> {
-        self.taken(slot).map(|key| key.layers)
+        self.taken(slot).map(|_| self.layers[slot as usize])
     }
 
     /// Returns true if the spheres of two bodies may be within a margin (m), which is negative.

@@ -3,7 +3,6 @@
 use super::{Body, Scene, SceneEntry, Slot, SlotKey};
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::layers::Layers;
 use serde::{Deserialize, Serialize};
 
 /// The serialised fields of a scene.
@@ -48,8 +47,9 @@ impl TryFrom<SerialScene> for Scene {
             scene.keys.push(SlotKey {
                 generation,
                 is_taken: body.is_some(),
-                layers: body.as_ref().map_or(Layers::ALL, |body| body.layers),
             });
+            let layers = body.as_ref().map(|body| body.layers);
+            scene.layers.push(layers.unwrap_or_default());
             scene.slots.push(Slot {
                 entry: body.map(|body| SceneEntry::new(body, &mut scene.arena)),
             });

@@ -2,7 +2,6 @@
 
 use super::entry::SceneEntry;
 use crate::id::BodyId;
-use crate::layers::Layers;
 use crate::trajectory::{LastMotion, StraightMotion, Trajectory};
 
 /// A place for a body: three cache lines.
@@ -12,13 +11,11 @@ pub(crate) struct Slot {
     pub(super) entry: Option<SceneEntry>,
 }
 
-/// What is known of a slot without fetching its body.
-#[derive(Clone, Copy, Debug, Default)]
+/// The generation of a slot, and whether a body is in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct SlotKey {
     pub(super) generation: u32,
-    /// True if a body is in it, with these layers.
     pub(super) is_taken: bool,
-    pub(super) layers: Layers,
 }
 
 impl SlotKey {

@@ -196,10 +196,13 @@ where
             let mut put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
             if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
-                    let (bounds, after) = pieces.bounds_by_jump(slice_interval, self.splits_jumps);
-                    put(slice, bounds);
-                    if let Some(after) = after {
-                        put(slice, after);
+                    let bounds = pieces.bounds(slice_interval);
+                    let parts = self
+                        .splits_jumps
+                        .then(|| pieces.bounds_by_jump(&bounds.0, slice_interval));
+                    match parts.flatten() {
+                        Some(parts) => parts.into_iter().for_each(|part| put(slice, part)),
+                        None => put(slice, bounds),
                     }
                 }
             } else {
