@@ -13,3 +13,16 @@ pub(crate) struct FatLine {
     /// Number of the cubic that the body follows first in the slice.
     pub(crate) first: u32,
 }
+
+impl FatLine {
+    /// Returns false of most bodies that do not jump from one place to another in the slice. One that does strays from
+    /// its line by about half of its way, for an instant.
+    #[inline]
+    pub(crate) fn may_jump(&self) -> bool {
+        let way = self
+            .change
+            .into_iter()
+            .fold(0.0, |most: f32, lane| most.max(lane.abs()));
+        0.3 * way < self.radius && self.radius < 1.2 * way
+    }
+}

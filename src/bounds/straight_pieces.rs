@@ -1,9 +1,8 @@
 //! Straight motions, one after another, and their bounds in a slice.
 
-use super::ROUNDING;
 use super::builder::BoundsBuilder;
 use super::fat_line::FatLine;
-use super::frame::{Frame, Padding};
+use super::frame::{Frame, MovingFrame, Padding};
 use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
@@ -81,34 +80,20 @@ impl<'a> StraightPieces<'a> {
         builder.finish(&self.placement, short(self.before + first))
     }
 
-    /// Returns the bounds in the two parts of a slice, before a jump of the body and after it, if there is one. The given
-    /// line, of the whole slice, tells most of those that do not jump: for these it costs nothing.
-    #[inline(always)]
-    pub(crate) fn bounds_by_jump<const MOVES: bool>(
+    /// Returns the bounds in the two parts of a slice, before a jump of the body and after it, if there is one. The
+    /// bounds of the whole slice hold all that lies between the two places.
+    pub(crate) fn bounds_by_jump(
         &self,
-        line: &FatLine,
-        slice_interval: &SliceInterval<MOVES>,
+        frame: &MovingFrame,
+        (from, to): (f64, f64),
     ) -> Option<[(FatLine, Aabb); 2]> {
-        /// Shares of the way along a line that a body may stray from it, and of the radius without that.
-        const STRAYED: f32 = 0.25;
-        const RADIUS: f32 = 2.0;
-        let size = |lanes: [f32; 3]| {
-            lanes
-                .into_iter()
-                .fold(0.0, |most: f32, lane| most.max(lane.abs()))
-        };
-        let most = RADIUS * self.placement.reach + STRAYED * size(line.change);
-        // A body at rest strays by rounding.
-        let may_jump = line.radius > most + size(line.start) * (16.0 * ROUNDING);
-        if self.motions.len() > 1 && may_jump {
-            self.parts_by_jump(slice_interval)
+        if frame.moves() {
+            self.parts_by_jump(&frame.slice_interval(from, to))
         } else {
-            None
+            self.parts_by_jump(&SliceInterval::new(from, to))
         }
     }
 
-    #[cold]
-    #[inline(never)]
     fn parts_by_jump<const MOVES: bool>(
         &self,
         slice_interval: &SliceInterval<MOVES>,
@@ -168,7 +153,7 @@ impl<'a> StraightPieces<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CubicSource, Frame, MovingFrame, Padding};
+    use super::super::CubicSource;
     use super::*;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
@@ -215,13 +200,7 @@ mod tests {
     ) -> Option<[(FatLine, Aabb); 2]> {
         let interval = (ends[0], ends[1]);
         let pieces = StraightPieces::over(trajectory, 0, interval, (padding, frame))?;
-        if frame.moves() {
-            let slice_interval = frame.slice_interval(ends[0], ends[1]);
-            pieces.bounds_by_jump(&pieces.bounds(&slice_interval).0, &slice_interval)
-        } else {
-            let slice_interval = SliceInterval::new(ends[0], ends[1]);
-            pieces.bounds_by_jump(&pieces.bounds(&slice_interval).0, &slice_interval)
-        }
+        pieces.bounds_by_jump(frame, interval)
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the

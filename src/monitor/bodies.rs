@@ -137,7 +137,6 @@ impl<'m> BodyTable<'m> {
             bodies: self,
             present: slots,
             ends,
-            splits_jumps: false,
             put: |(_, body), slice, (fat_line, aabb)| {
                 visit(slice, BodyBox { aabb, body }, &fat_line);
             },

@@ -4,7 +4,6 @@ use crate::broad_phase::{Groups, PairFilter};
 
 /// A filter of bodies, asked about their places in a list.
 pub(super) struct ByPlace<'a, F: ?Sized> {
-    /// Ascending; one that jumps may be there twice.
     pub(super) bodies: &'a [u32],
     pub(super) filter: &'a F,
 }
@@ -12,9 +11,9 @@ pub(super) struct ByPlace<'a, F: ?Sized> {
 impl<F: PairFilter + ?Sized> PairFilter for ByPlace<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
-        // They are in the same order. A body that jumps has two places.
+        // A body that jumps has two places, the second one behind all others.
         let (a, b) = (self.bodies[a as usize], self.bodies[b as usize]);
-        a != b && self.filter.admits(a, b)
+        a != b && self.filter.admits(a.min(b), a.max(b))
     }
 
     #[inline]

@@ -15,7 +15,7 @@ pub(crate) struct SliceBounds {
     /// The `body` of a box is its place in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) fat_lines: Vec<FatLine>,
-    /// Bodies by place, ascending; one that jumps in the slice may have two places.
+    /// Bodies by place, ascending; then those once more that have [another](Self::split_jumps) place.
     pub(crate) bodies: Vec<u32>,
 }
 
@@ -26,6 +26,29 @@ impl SliceBounds {
         self.boxes.push(BodyBox { aabb, body: place });
         self.fat_lines.push(fat_line);
         self.bodies.push(body);
+    }
+
+    /// Gives each body that jumps in the slice another place: one before the jump, and one after it. `parts` returns the
+    /// bounds there.
+    pub(super) fn split_jumps(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
+        let radii = self.fat_lines.iter().map(|line| line.radius);
+        let (sum, count) = radii
+            .filter(|radius| radius.is_finite())
+            .fold((0.0, 0.0), |(sum, count): (f32, f32), radius| {
+                (sum + radius, count + 1.0)
+            });
+        // Jumps that are no longer than the usual body is large are not worth another place.
+        let least = 2.0 * sum / count;
+        for place in 0..self.bodies.len() {
+            let (line, body) = (&self.fat_lines[place], self.bodies[place]);
+            if line.radius > least
+                && line.may_jump()
+                && let Some([before, after]) = parts(body)
+            {
+                (self.fat_lines[place], self.boxes[place].aabb) = before;
+                self.push(body, after);
+            }
+        }
     }
 
     /// One body of so many is part of a sample, on average.

@@ -63,9 +63,21 @@ impl SlicesToForm<'_> {
         let count = self.ends.len() - 1;
         // Slices are shared by threads where there are several.
         let is_shared = count == 1 && self.threads > 1;
-        if is_shared && self.form_shared(bodies) {
-            return;
+        if !is_shared || !self.form_shared(bodies) {
+            self.form_alone(bodies);
         }
+        let ends_of_all = (self.ends[0], self.ends[count]);
+        let slices = &mut self.block.slices[..count];
+        for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
+            slice.split_jumps(|body| {
+                let pieces = bodies.straight(body, ends_of_all)?;
+                pieces.bounds_by_jump(self.frame, (ends[0], ends[1]))
+            });
+        }
+    }
+
+    fn form_alone<B: SourcesInPlace>(&mut self, bodies: &B) {
+        let count = self.ends.len() - 1;
         self.block.clear(count, self.present.len());
         let slices = &mut self.block.slices[..count];
         let instructions = self.instructions;
@@ -75,13 +87,11 @@ impl SlicesToForm<'_> {
             bodies,
             present: self.present.iter().copied(),
             ends: self.ends,
-            splits_jumps: true,
             put: |(_, body), slice: usize, bounds| slices[slice].push(body, bounds),
         });
     }
 
-    /// Forms those of one slice on several threads. Returns false if it has not one box for each body: if a body does
-    /// not exist in it, or jumps.
+    /// Forms those of one slice on several threads. Returns false if not all bodies exist in it.
     fn form_shared<B: SourcesInPlace>(&mut self, bodies: &B) -> bool {
         let (present, ends, frame) = (self.present, self.ends, self.frame);
         let instructions = self.instructions;
@@ -97,35 +107,31 @@ impl SlicesToForm<'_> {
         slice.boxes.resize(present.len(), any);
         slice.fat_lines.resize(present.len(), FatLine::default());
         let lists = (&mut slice.boxes[..], &mut slice.fat_lines[..]);
-        let mut are_formed = vec![true; present.len().div_ceil(Self::SHARE)];
+        let mut formed = vec![0; present.len().div_ceil(Self::SHARE)];
         parallel::for_each_share(
             lists,
-            &mut are_formed,
+            &mut formed,
             Self::SHARE,
-            |share, (boxes, lines), are_formed| {
+            |share, (boxes, lines), formed| {
                 let first = share * Self::SHARE;
-                let mut next = 0;
                 instructions.run(FormInPlace {
                     instructions,
                     frame,
                     bodies,
                     present: present[first..first + boxes.len()].iter().copied(),
                     ends,
-                    splits_jumps: true,
                     put: |(number, _), _, (fat_line, aabb)| {
                         let body = short(first + number);
                         boxes[number] = BodyBox { aabb, body };
                         lines[number] = fat_line;
-                        *are_formed &= number == next;
-                        next += 1;
+                        *formed += 1;
                     },
                 });
-                *are_formed &= next == boxes.len();
             },
         );
         slice.bodies.clear();
         slice.bodies.extend_from_slice(present);
-        are_formed.into_iter().all(|is_formed| is_formed)
+        formed.iter().sum::<usize>() == present.len()
     }
 }
 
@@ -137,8 +143,6 @@ pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) present: I,
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],
-    /// True if a body that jumps in a slice may have two boxes there: before the jump, and after it.
-    pub(crate) splits_jumps: bool,
     /// Takes the bounds of a body, given by number and name, in a slice.
     pub(crate) put: P,
 }
@@ -196,14 +200,7 @@ where
             let mut put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
             if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
-                    let bounds = pieces.bounds(slice_interval);
-                    let parts = self
-                        .splits_jumps
-                        .then(|| pieces.bounds_by_jump(&bounds.0, slice_interval));
-                    match parts.flatten() {
-                        Some(parts) => parts.into_iter().for_each(|part| put(slice, part)),
-                        None => put(slice, bounds),
-                    }
+                    put(slice, pieces.bounds(slice_interval));
                 }
             } else {
                 // A call of its own: inlined here, it would take registers from the branch above.

@@ -146,11 +146,17 @@ impl CandidateRefiner {
         for &candidate in &self.candidates {
             let (a, b) = (line(candidate.a), line(candidate.b));
             if let Some(interval) = approaching(a, b, interval)
-                && let Some(bodies) = pair(candidate)
+                && let Some(mut bodies) = pair(candidate)
             {
+                let mut hints = [a.first, b.first];
+                // A body that jumps has another place, behind those of all bodies.
+                if bodies[0] > bodies[1] {
+                    bodies.reverse();
+                    hints.reverse();
+                }
                 self.near.push(NearPair {
                     bodies,
-                    hints: [a.first, b.first],
+                    hints,
                     interval,
                 });
             }

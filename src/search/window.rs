@@ -250,6 +250,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         if from < middle && middle < to {
             // One that jumps is there twice.
             let mut present = slice.bodies.clone();
+            present.sort_unstable();
             present.dedup();
             self.form(&[from, middle, to], &present, &mut halves);
         }
