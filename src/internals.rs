@@ -33,10 +33,11 @@
 //!    at least half the distance between any two points of a cubic; each *split* of a cubic adds to it. A *run*
 //!    is four consecutive cubics, or four smaller runs, bounded at once.
 //! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs
-//!    admits or refuses by layers and ignored pairs. It *gives up* to end a search early, incomplete. (The field
+//!    admits or refuses by layers and ignored pairs. Bodies are in *groups* by their layers: only groups that may form
+//!    pairs are compared. It *gives up* to end a search early, incomplete. (The field
 //!    `filter` of `Layers` is a bit mask.)
 //! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Bodies are *present*
-//!    where their *lifetimes* overlap a block. Candidates whose fat lines come near each other are *near pairs*.
+//!    where their *lifetimes* overlap a block. A body that is told another place *teleports*: it has a box at each. Candidates whose fat lines come near each other are *near pairs*.
 //!    The spans of these that cheap tests leave are the *survivors*. The first of these tests compares the hulls
 //!    of two cubics in f32 (`HullTest`). The tests reject only what exceeds the threshold by the *clearance*,
 //!    512 roundings. Searches begin at the earliest and end at the latest exact instant that may be reported as

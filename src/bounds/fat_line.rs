@@ -15,10 +15,10 @@ pub(crate) struct FatLine {
 }
 
 impl FatLine {
-    /// Returns false of most bodies that do not jump from one place to another in the slice. One that does strays from
+    /// Returns false of most bodies that do not teleport in the slice. One that does strays from
     /// its line by about half of its way, for an instant.
     #[inline]
-    pub(crate) fn may_jump(&self) -> bool {
+    pub(crate) fn may_teleport(&self) -> bool {
         let way = self
             .change
             .into_iter()

@@ -80,21 +80,21 @@ impl<'a> StraightPieces<'a> {
         builder.finish(&self.placement, short(self.before + first))
     }
 
-    /// Returns the bounds in the two parts of a slice, before a jump of the body and after it, if there is one. The
+    /// Returns the bounds in the two parts of a slice, before the body teleports and after it does, if there is one. The
     /// bounds of the whole slice hold all that lies between the two places.
-    pub(crate) fn bounds_by_jump(
+    pub(crate) fn bounds_by_teleport(
         &self,
         frame: &MovingFrame,
         (from, to): (f64, f64),
     ) -> Option<[(FatLine, Aabb); 2]> {
         if frame.moves() {
-            self.parts_by_jump(&frame.slice_interval(from, to))
+            self.parts_by_teleport(&frame.slice_interval(from, to))
         } else {
-            self.parts_by_jump(&SliceInterval::new(from, to))
+            self.parts_by_teleport(&SliceInterval::new(from, to))
         }
     }
 
-    fn parts_by_jump<const MOVES: bool>(
+    fn parts_by_teleport<const MOVES: bool>(
         &self,
         slice_interval: &SliceInterval<MOVES>,
     ) -> Option<[(FatLine, Aabb); 2]> {
@@ -104,8 +104,8 @@ impl<'a> StraightPieces<'a> {
             let ends = (self.knots[number], self.knots[number + 1]);
             self.part(number, (from.max(ends.0), to.min(ends.1)))
         };
-        let jumps = |&number: &usize| self.jumps_between(&part(number - 1), &part(number));
-        let after = (first + 1..=last).find(jumps)?;
+        let teleports = |&number: &usize| self.teleports_between(&part(number - 1), &part(number));
+        let after = (first + 1..=last).find(teleports)?;
         let bounds = |pieces: RangeInclusive<usize>| {
             let (head, tail) = (part(*pieces.start()), part(*pieces.end()));
             let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
@@ -138,10 +138,10 @@ impl<'a> StraightPieces<'a> {
 
     /// Returns true if a part begins farther from the end of the part before it than either of them moves.
     #[inline(always)]
-    fn jumps_between(&self, before: &StraightPart, after: &StraightPart) -> bool {
+    fn teleports_between(&self, before: &StraightPart, after: &StraightPart) -> bool {
         let ways = (before.last - before.first).abs() + (after.last - after.first).abs();
-        let jump = (after.first - before.last).abs();
-        jump.max_element() > ways.max_element() + self.placement.reach
+        let way = (after.first - before.last).abs();
+        way.max_element() > ways.max_element() + self.placement.reach
     }
 
     /// Returns the part of a motion between two instants (s).
@@ -191,8 +191,8 @@ mod tests {
         trajectory
     }
 
-    /// Returns the bounds in the two parts of a slice, if the body jumps in it.
-    fn parts_by_jump(
+    /// Returns the bounds in the two parts of a slice, if the body teleports in it.
+    fn parts_by_teleport(
         trajectory: &Trajectory,
         padding: &Padding,
         frame: &MovingFrame,
@@ -200,7 +200,7 @@ mod tests {
     ) -> Option<[(FatLine, Aabb); 2]> {
         let interval = (ends[0], ends[1]);
         let pieces = StraightPieces::over(trajectory, 0, interval, (padding, frame))?;
-        pieces.bounds_by_jump(frame, interval)
+        pieces.bounds_by_teleport(frame, interval)
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
@@ -209,7 +209,7 @@ mod tests {
     fn motions_told_one_after_another_are_held() {
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(11);
-        let (mut tightest, mut replaced, mut jumped) = (f64::INFINITY, 0, 0);
+        let (mut tightest, mut replaced, mut teleported) = (f64::INFINITY, 0, 0);
         for round in 0..600 {
             let age = [0.0, 1.0, 1e6, 1e9, 1e13][round % 5];
             let far = [1.0, 1e5][round / 5 % 2];
@@ -239,8 +239,8 @@ mod tests {
             });
             for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
                 let whole = (slice.fat_lines[0], slice.boxes[0].aabb);
-                let parts = parts_by_jump(&trajectory, &padding, &moving, ends);
-                jumped += usize::from(parts.is_some());
+                let parts = parts_by_teleport(&trajectory, &padding, &moving, ends);
+                teleported += usize::from(parts.is_some());
                 for step in 0..=4 {
                     let share = f64::from(step) / 4.0;
                     let time = ends[0] + share * (ends[1] - ends[0]);
@@ -292,6 +292,6 @@ mod tests {
         // Where that error is all there is, it is held about eight times; that of a state whose time is coarse is three
         // times as large.
         assert!(tightest < 12.0 && replaced > 1_000, "{tightest} {replaced}");
-        assert!(jumped > 400, "{jumped}");
+        assert!(teleported > 400, "{teleported}");
     }
 }

@@ -11,7 +11,7 @@ pub(super) struct ByPlace<'a, F: ?Sized> {
 impl<F: PairFilter + ?Sized> PairFilter for ByPlace<'_, F> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
-        // A body that jumps has two places, the second one behind all others.
+        // A body that teleports has two places, the second one behind all others.
         let (a, b) = (self.bodies[a as usize], self.bodies[b as usize]);
         a != b && self.filter.admits(a.min(b), a.max(b))
     }

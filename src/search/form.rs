@@ -15,7 +15,7 @@ pub(crate) struct SliceBounds {
     /// The `body` of a box is its place in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) fat_lines: Vec<FatLine>,
-    /// Bodies by place, ascending; then those once more that have [another](Self::split_jumps) place.
+    /// Bodies by place, ascending; then those once more that have [another](Self::split_teleports) place.
     pub(crate) bodies: Vec<u32>,
 }
 
@@ -28,21 +28,21 @@ impl SliceBounds {
         self.bodies.push(body);
     }
 
-    /// Gives each body that jumps in the slice another place: one before the jump, and one after it. `parts` returns the
+    /// Gives each body that teleports in the slice another place: one is for the time before, one for that after. `parts` returns the
     /// bounds there.
-    pub(super) fn split_jumps(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
+    pub(super) fn split_teleports(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
         let radii = self.fat_lines.iter().map(|line| line.radius);
         let (sum, count) = radii
             .filter(|radius| radius.is_finite())
             .fold((0.0, 0.0), |(sum, count): (f32, f32), radius| {
                 (sum + radius, count + 1.0)
             });
-        // Jumps that are no longer than the usual body is large are not worth another place.
+        // Ways that are no longer than most bodies are large are not worth another place.
         let least = 2.0 * sum / count;
         for place in 0..self.bodies.len() {
             let (line, body) = (&self.fat_lines[place], self.bodies[place]);
             if line.radius > least
-                && line.may_jump()
+                && line.may_teleport()
                 && let Some([before, after]) = parts(body)
             {
                 (self.fat_lines[place], self.boxes[place].aabb) = before;

@@ -69,9 +69,9 @@ impl SlicesToForm<'_> {
         let ends_of_all = (self.ends[0], self.ends[count]);
         let slices = &mut self.block.slices[..count];
         for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
-            slice.split_jumps(|body| {
+            slice.split_teleports(|body| {
                 let pieces = bodies.straight(body, ends_of_all)?;
-                pieces.bounds_by_jump(self.frame, (ends[0], ends[1]))
+                pieces.bounds_by_teleport(self.frame, (ends[0], ends[1]))
             });
         }
     }

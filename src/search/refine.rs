@@ -149,7 +149,7 @@ impl CandidateRefiner {
                 && let Some(mut bodies) = pair(candidate)
             {
                 let mut hints = [a.first, b.first];
-                // A body that jumps has another place, behind those of all bodies.
+                // A body that teleports has another place, behind those of all bodies.
                 if bodies[0] > bodies[1] {
                     bodies.reverse();
                     hints.reverse();

@@ -248,7 +248,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            // One that jumps is there twice.
+            // One that teleports is there twice.
             let mut present = slice.bodies.clone();
             present.sort_unstable();
             present.dedup();
