@@ -28,8 +28,8 @@ impl SliceBounds {
         self.bodies.push(body);
     }
 
-    /// Gives each body that teleports in the slice another place: one is for the time before, one for that after. `parts` returns the
-    /// bounds there.
+    /// Gives each body that teleports in the slice another place: one is for the time before, one for that after.
+    /// `parts` returns the bounds there.
     pub(super) fn split_teleports(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
         let radii = self.fat_lines.iter().map(|line| line.radius);
         let (sum, count) = radii
