@@ -15,14 +15,14 @@ pub(crate) struct FatLine {
 }
 
 impl FatLine {
-    /// Returns false of most bodies that do not teleport in the slice. One that does strays from
-    /// its line by about half of its way, for an instant.
+    /// Returns true of a body that teleports in the slice: it strays far from its line, for an instant. So do other
+    /// bodies that are large beside their way.
     #[inline]
     pub(crate) fn may_teleport(&self) -> bool {
         let way = self
             .change
             .into_iter()
             .fold(0.0, |most: f32, lane| most.max(lane.abs()));
-        0.3 * way < self.radius && self.radius < 1.2 * way
+        self.radius > 0.3 * way
     }
 }

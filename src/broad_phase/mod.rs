@@ -90,7 +90,7 @@ pub trait PairFilter: Sync {
         Groups::ONE
     }
 
-    /// Returns the group of a body.
+    /// Returns the group of a body, less than the number of [groups](Self::groups).
     #[inline]
     fn group(&self, _: u32) -> u8 {
         0
@@ -119,7 +119,7 @@ pub trait BroadPhase: Default + Send {
     /// Appends every admitted pair of bodies whose boxes overlap, each once and no other; fewer if
     /// the filter gives up.
     ///
-    /// The order is unspecified, but depends on `boxes` alone.
+    /// The order is unspecified, but depends on `boxes` and the groups of their bodies alone.
     fn pairs<F: PairFilter>(
         &mut self,
         boxes: &[BodyBox],

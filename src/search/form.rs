@@ -7,6 +7,7 @@ use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, 
 use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short};
 use crate::simd::Task;
+use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
@@ -17,6 +18,8 @@ pub(crate) struct SliceBounds {
     pub(crate) fat_lines: Vec<FatLine>,
     /// Bodies by place, ascending; then those once more that have [another](Self::split_teleports) place.
     pub(crate) bodies: Vec<u32>,
+    /// Number of bodies with another place.
+    pub(super) second_places: usize,
 }
 
 impl SliceBounds {
@@ -31,14 +34,20 @@ impl SliceBounds {
     /// Gives each body that teleports in the slice another place: one is for the time before, one for that after.
     /// `parts` returns the bounds there.
     pub(super) fn split_teleports(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
-        let radii = self.fat_lines.iter().map(|line| line.radius);
-        let (sum, count) = radii
-            .filter(|radius| radius.is_finite())
-            .fold((0.0, 0.0), |(sum, count): (f32, f32), radius| {
-                (sum + radius, count + 1.0)
-            });
+        /// Bodies that tell how large most are.
+        const SAMPLED: usize = 33;
+        let stride = self.bodies.len().div_ceil(SAMPLED).max(1);
+        let mut radii: ArrayVec<f32, SAMPLED> = self
+            .fat_lines
+            .iter()
+            .step_by(stride)
+            .map(|line| line.radius)
+            .collect();
+        radii.sort_unstable_by(f32::total_cmp);
         // Ways that are no longer than most bodies are large are not worth another place.
-        let least = 2.0 * sum / count;
+        let least = radii
+            .get(radii.len() / 2)
+            .map_or(0.0, |median| 2.0 * median);
         for place in 0..self.bodies.len() {
             let (line, body) = (&self.fat_lines[place], self.bodies[place]);
             if line.radius > least
@@ -47,8 +56,19 @@ impl SliceBounds {
             {
                 (self.fat_lines[place], self.boxes[place].aabb) = before;
                 self.push(body, after);
+                self.second_places += 1;
             }
         }
+    }
+
+    /// Returns the bodies, each once, ascending.
+    pub(super) fn each_body(&self) -> &[u32] {
+        &self.bodies[..self.bodies.len() - self.second_places]
+    }
+
+    /// Returns how often a span may be found: once for each two places of a pair.
+    pub(super) const fn copies_of_span(&self) -> usize {
+        if self.second_places > 0 { 4 } else { 1 }
     }
 
     /// One body of so many is part of a sample, on average.
@@ -94,7 +114,9 @@ impl SliceBlock {
             slice.boxes.clear();
             slice.fat_lines.clear();
             slice.bodies.clear();
-            // At once: growing step by step would touch twice the memory.
+            slice.second_places = 0;
+            // At once: growing step by step would touch twice the memory. Some bodies may teleport.
+            let room = room + room / 16;
             slice.boxes.reserve(room);
             slice.fat_lines.reserve(room);
             slice.bodies.reserve(room);

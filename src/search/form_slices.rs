@@ -66,12 +66,12 @@ impl SlicesToForm<'_> {
         if !is_shared || !self.form_shared(bodies) {
             self.form_alone(bodies);
         }
-        let ends_of_all = (self.ends[0], self.ends[count]);
         let slices = &mut self.block.slices[..count];
         for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
             slice.split_teleports(|body| {
-                let pieces = bodies.straight(body, ends_of_all)?;
-                pieces.bounds_by_teleport(self.frame, (ends[0], ends[1]))
+                let interval = (ends[0], ends[1]);
+                let pieces = bodies.straight(body, interval)?;
+                pieces.bounds_by_teleport(self.frame, interval)
             });
         }
     }
@@ -130,6 +130,7 @@ impl SlicesToForm<'_> {
             },
         );
         slice.bodies.clear();
+        slice.second_places = 0;
         slice.bodies.extend_from_slice(present);
         formed.iter().sum::<usize>() == present.len()
     }

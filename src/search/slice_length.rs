@@ -9,7 +9,7 @@
 use super::by_place::ByPlace;
 use super::{FormBounds, Lifetimes, Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
-use crate::broad_phase::{CandidateLimit, Method, PairFilter};
+use crate::broad_phase::{CandidateLimit, Groups, Method, PairFilter};
 use crate::count::short;
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
@@ -193,6 +193,31 @@ impl Tried {
     }
 }
 
+/// A filter of a sample's pairs by groups alone.
+struct ByGroups<'a> {
+    filter: ByPlace<'a, dyn PairFilter + 'a>,
+    groups: Groups,
+}
+
+impl PairFilter for ByGroups<'_> {
+    fn admits(&self, a: u32, b: u32) -> bool {
+        let [one, other] = [a, b].map(|place| usize::from(self.filter.group(place)));
+        self.groups.admits(one, other)
+    }
+
+    fn groups(&self) -> Groups {
+        self.groups
+    }
+
+    fn group(&self, place: u32) -> u8 {
+        self.filter.group(place)
+    }
+
+    fn gives_up(&self) -> bool {
+        self.filter.gives_up()
+    }
+}
+
 /// Bodies, of which a sample is put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
@@ -237,15 +262,19 @@ impl SliceTrials<'_> {
         let lifetimes = self.lifetimes.of_some(&sample);
         let whole = bodies as f64 / sample.len() as f64;
         let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
-        let filter = ByPlace {
-            bodies: &places,
-            filter,
+        // Pairs that are left out after their boxes have met cost nearly as much as candidates.
+        let filter = &ByGroups {
+            filter: ByPlace {
+                bodies: &places,
+                filter,
+            },
+            groups: filter.groups(),
         };
         let attempt = |slices: TimeSlices| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
             Tried::new(
                 slices,
-                self.trial(&lifetimes, (&sampled, &filter), &slices, whole, cubics),
+                self.trial(&lifetimes, (&sampled, filter), &slices, whole, cubics),
             )
         };
         let mut last: Option<(Trial, f64)> = None;
@@ -305,7 +334,7 @@ impl SliceTrials<'_> {
     fn trial<C: BoundingCubic>(
         &self,
         lifetimes: &Lifetimes,
-        (sources, filter): (&[CubicSource<'_, C>], &ByPlace<'_, dyn PairFilter + '_>),
+        (sources, filter): (&[CubicSource<'_, C>], &ByGroups<'_>),
         slices: &TimeSlices,
         whole: f64,
         cubics: f64,

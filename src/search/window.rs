@@ -201,6 +201,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         } = scratch;
         let pair = |pair: Candidate| Some([pair.a, pair.b].map(|at| slice.bodies[at as usize]));
         let (mut examined, before) = (0, found.len());
+        // Fewer may be copies of those that there is room for.
+        let most = self.limits.spans.saturating_mul(slice.copies_of_span());
         for some in candidates.chunks(STEP) {
             if filter.gives_up() {
                 break;
@@ -211,12 +213,12 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
                 interval,
                 window: self.window,
                 margin: self.margin,
-                max_spans: self.limits.spans.saturating_sub(found.len() - before),
+                max_spans: most.saturating_sub(found.len() - before),
             };
             examined += refiner.refine(&context, some, pair, found);
         }
         if found.len() > self.limits.spans {
-            // A span that lasts for several slices is found in each.
+            // A span that lasts for several slices is found in each, and more than once of bodies that teleport.
             sorter.sort_and_dedup(found, self.lifetimes.len());
             self.limits.check(found.len())?;
         }
@@ -248,11 +250,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            // One that teleports is there twice.
-            let mut present = slice.bodies.clone();
-            present.sort_unstable();
-            present.dedup();
-            self.form(&[from, middle, to], &present, &mut halves);
+            self.form(&[from, middle, to], slice.each_body(), &mut halves);
         }
         let whole = BoxSizes::of(&slice.boxes);
         let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));

@@ -1,9 +1,11 @@
 //! Bodies that are told another place, far away.
 
 use super::is_as_screened;
-use super::support::{rng, vector};
+use super::support::{bits, rng, vector};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Hitbox, Monitor, Scene, State, Trajectory};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Hitbox, Monitor, Query, Scene, State, Trajectory, Window,
+};
 use rand::RngExt;
 
 const LEVEL: AlertLevel = AlertLevel::at(1.5);
@@ -54,4 +56,60 @@ fn shots_that_begin_again_are_compared_at_both_places_alone() {
         events.len()
     );
     assert!(spans < 40 * teleports, "{spans} of {teleports}");
+}
+
+/// A crowd that is told another place all at once, and pairs far away: there is room for all of their spans, or an error.
+/// Those of the crowd are found at both places; a limit that counted them twice would end the search before the last pairs.
+#[test]
+fn a_crowd_that_teleports_hides_no_other_pair() {
+    const CROWD: u32 = 40;
+    const BODIES: u32 = 140;
+    let rng = &mut rng(912);
+    let mut scene = Scene::new();
+    let mut states: Vec<(BodyId, DVec3)> = (0..BODIES)
+        .map(|number| {
+            let place = if number < CROWD {
+                vector(rng, 0.2)
+            } else {
+                let (row, column) = (f64::from(number / 2), f64::from(number % 2));
+                DVec3::new(2_000.0, 10.0 * row, 0.3 * column)
+            };
+            let plan = Trajectory::coasting(State::new(0.0, place, 0.1 * DVec3::X)).unwrap();
+            let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.1).unwrap());
+            (scene.insert(body).unwrap(), place)
+        })
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
+    let mut events = Vec::new();
+    for frame in 1..4 {
+        let now = f64::from(frame) / 60.0;
+        if frame == 3 {
+            let crowd = states.iter_mut().take(CROWD as usize);
+            crowd.for_each(|(_, place)| place.x += 1_000.0);
+        }
+        let velocity = DVec3::new(0.1, 0.01 * f64::from(frame), 0.0);
+        let told = states
+            .iter()
+            .map(|&(id, place)| (id, State::new(now, place, velocity)));
+        monitor.track(now, told).unwrap();
+        monitor.advance(now, &mut events).unwrap();
+        is_as_screened(&monitor, LEVEL);
+    }
+    let window = Window::new(2.0 / 60.0, 1.0).unwrap();
+    let screened = |room: usize| {
+        let query = Query::new(window).with_margin(LEVEL.margin);
+        let query = query.with_max_spans(room);
+        monitor
+            .scene()
+            .screen(&query)
+            .map(|found| bits(&found.conflicts))
+    };
+    let all = screened(1_000_000).unwrap();
+    let answers: Vec<bool> = (100..6_000)
+        .step_by(50)
+        .map(|room| screened(room).map(|found| assert_eq!(found, all, "{room}")))
+        .map(|answer| answer.is_ok())
+        .collect();
+    let complete = answers.iter().filter(|&&answer| answer).count();
+    assert!((10..answers.len() - 10).contains(&complete), "{complete}");
 }

@@ -38,7 +38,7 @@ use std::ops::Range;
 /// At even density the time is about linear in the number of boxes; if nearly all boxes overlap,
 /// nearly all pairs are compared. Buffers are reused from slice to slice, so a steady scene allocates
 /// nothing. They take 40 to 130 bytes a box in the scenes measured, and never more than 1 KiB a box
-/// of the largest slice so far.
+/// of the largest slice so far, 2 KiB where bodies are of several groups.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     instructions: InstructionSet,
