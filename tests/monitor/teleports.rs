@@ -63,7 +63,7 @@ fn shots_that_begin_again_are_compared_at_both_places_alone() {
 #[test]
 fn a_crowd_that_teleports_hides_no_other_pair() {
     const CROWD: u32 = 40;
-    const BODIES: u32 = 140;
+    const BODIES: u32 = 340;
     let rng = &mut rng(912);
     let mut scene = Scene::new();
     let mut states: Vec<(BodyId, DVec3)> = (0..BODIES)
@@ -72,7 +72,8 @@ fn a_crowd_that_teleports_hides_no_other_pair() {
                 vector(rng, 0.2)
             } else {
                 let (row, column) = (f64::from(number / 2), f64::from(number % 2));
-                DVec3::new(2_000.0, 10.0 * row, 0.3 * column)
+                // Last along each axis: they are searched last.
+                DVec3::splat(2_000.0 + 10.0 * row) + 0.3 * column * DVec3::X
             };
             let plan = Trajectory::coasting(State::new(0.0, place, 0.1 * DVec3::X)).unwrap();
             let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.1).unwrap());
