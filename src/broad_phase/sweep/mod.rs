@@ -11,6 +11,7 @@
 //! comparisons fail. Few boxes are compared directly.
 
 mod compare_all;
+mod copies;
 mod layout;
 mod partition;
 mod quantizer;
