@@ -1,6 +1,6 @@
 //! Groups of bodies, of which some are never pairs: those are not compared.
 
-/// Which groups of bodies may form pairs. Each body is in one group.
+/// A table that says which groups of bodies may form pairs. Each body is in one group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Groups {
     count: u8,

@@ -1,4 +1,4 @@
-//! Which bodies of a scene may be pairs: by layers, ignored pairs, and radii where the margin is negative.
+//! The pairs that a scene admits: by layers, ignored pairs, and radii where the margin is negative.
 
 use super::Scene;
 use super::layer_groups::LayerGroups;

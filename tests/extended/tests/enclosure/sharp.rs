@@ -78,7 +78,7 @@ fn motion(random: &mut ChaCha8Rng, kind: usize) -> Polygon {
     points.map(|point| std::array::from_fn(|axis| (point[axis] - origin[axis]) * kept[axis]))
 }
 
-/// Where the minimum is the start, the end or between. Before wide enclosures were trimmed, three
+/// The minimum is at the start, at the end or between. Before wide enclosures were trimmed, three
 /// in ten of the first two kinds were wide, and as many of kind 5.
 #[test]
 fn sharp_minima_have_narrow_enclosures() {
