@@ -128,7 +128,7 @@ impl<'m> BodyTable<'m> {
         &self,
         slots: impl Iterator<Item = u32> + Clone,
         ends: &[f64],
-        mut visit: impl FnMut(usize, BodyBox, &FatLine),
+        visit: &mut dyn FnMut(usize, BodyBox, &FatLine),
     ) {
         let instructions = InstructionSet::best();
         instructions.run(FormInPlace {
@@ -225,7 +225,7 @@ impl ChangedBatch {
         for first in (0..slices).step_by(most) {
             let ends = &ends[first..=slices.min(first + most)];
             let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, |slice, boxed, fat_line| {
+            bodies.boxes(slots, ends, &mut |slice, boxed, fat_line| {
                 boxes[slice].push((boxed, *fat_line));
             });
         }

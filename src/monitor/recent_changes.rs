@@ -58,7 +58,7 @@ impl RecentChanges {
         }
         let RecentBoxes { boxed, listed, .. } = &mut *boxes;
         let slots = self.slots[*boxed..].iter().copied();
-        bodies.boxes(slots, &[window.0, window.1], |_, boxed, _| {
+        bodies.boxes(slots, &[window.0, window.1], &mut |_, boxed, _| {
             listed.push(boxed);
         });
         *boxed = self.slots.len();

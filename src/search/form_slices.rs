@@ -198,7 +198,7 @@ where
             if let Some(later) = motions.next() {
                 self.bodies.fetch_motion(later);
             }
-            let mut put = |slice: usize, bounds| (self.put)((number, body), slice, bounds);
+            let put = &mut |slice: usize, bounds| (self.put)((number, body), slice, bounds);
             if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
                     put(slice, pieces.bounds(slice_interval));
@@ -217,18 +217,15 @@ where
 }
 
 /// Forms the bounds of one body.
-struct WalkInPlace<'a, B, P, const MOVES: bool> {
+struct WalkInPlace<'a, B, const MOVES: bool> {
     bodies: &'a B,
     body: u32,
     slice_intervals: &'a [SliceInterval<MOVES>],
-    put: P,
+    /// Called by address: a walk takes far longer than a call, and is compiled once for all callers.
+    put: &'a mut dyn FnMut(usize, (FatLine, Aabb)),
 }
 
-impl<B, P, const MOVES: bool> Task for WalkInPlace<'_, B, P, MOVES>
-where
-    B: SourcesInPlace,
-    P: FnMut(usize, (FatLine, Aabb)),
-{
+impl<B: SourcesInPlace, const MOVES: bool> Task for WalkInPlace<'_, B, MOVES> {
     type Output = ();
 
     #[inline(always)]

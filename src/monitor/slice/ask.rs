@@ -2,6 +2,7 @@
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
+use crate::count::short;
 use crate::monitor::bodies::{BodyTable, form};
 use crate::narrow_phase::approaching;
 use crate::simd::prefetch;
@@ -61,8 +62,8 @@ impl LookaheadSlice {
             .fat_lines
             .resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let (mut listed, fat_lines) = (Vec::new(), &mut index.fat_lines);
-        let slots = (0_u32..).take(bodies.monitored.len());
-        bodies.boxes(slots, &self.ends(), |_, boxed, fat_line| {
+        let slots = 0..short(bodies.monitored.len());
+        bodies.boxes(slots, &self.ends(), &mut |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });

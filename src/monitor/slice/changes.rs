@@ -74,7 +74,9 @@ impl LookaheadSlice {
             }
             _ => {
                 let changed = self.changed.slots().iter().copied();
-                bodies.boxes(changed, &ends, |_, boxed, fat_line| list(boxed, fat_line));
+                bodies.boxes(changed, &ends, &mut |_, boxed, fat_line| {
+                    list(boxed, fat_line)
+                });
             }
         }
         self.stats.boxes += listed.len() as u64;

@@ -349,12 +349,12 @@ impl LookaheadSlice {
     /// time; returns the slot that comes next.
     fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
-        let slots = (first..until).map(short);
+        let slots = short(first)..short(until);
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let before = listed.len();
-        bodies.boxes(slots, &ends, |_, boxed, fat_line| {
+        bodies.boxes(slots, &ends, &mut |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });
