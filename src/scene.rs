@@ -19,16 +19,15 @@ mod serial;
 mod slot;
 mod update;
 
+pub(crate) use admission::PairAdmission;
 pub(crate) use arena::CubicArena;
 pub use body::Body;
 pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
 pub(crate) use heights::HeightRange;
-pub(crate) use ignored::IgnoredPairs;
-pub(crate) use layer_groups::LayerGroups;
+use ignored::IgnoredPairs;
 use partners::Kinds;
-pub(crate) use partners::{can_reach, radius};
 pub(crate) use planned::planned;
 pub(crate) use slot::Slot;
 use slot::SlotKey;
@@ -342,10 +341,6 @@ impl Scene {
     /// Returns the ignored pairs, smaller id first.
     pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> {
         self.ignored.iter()
-    }
-
-    pub(crate) const fn ignored(&self) -> &IgnoredPairs {
-        &self.ignored
     }
 
     /// Checks a pair of different bodies of the scene; returns it with the smaller id first.

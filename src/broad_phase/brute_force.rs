@@ -9,10 +9,10 @@ use super::{BodyBox, BroadPhase, Candidate, PairFilter, emit};
 pub struct BruteForce;
 
 impl BroadPhase for BruteForce {
-    fn pairs<F: PairFilter>(
+    fn pairs(
         &mut self,
         boxes: &[BodyBox],
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         for (i, one) in boxes.iter().enumerate() {

@@ -103,7 +103,7 @@ pub trait PairFilter: Sync {
     }
 }
 
-/// The filter that admits every pair, at no cost.
+/// The filter that admits every pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Everyone;
 
@@ -120,10 +120,10 @@ pub trait BroadPhase: Default + Send {
     /// the filter gives up.
     ///
     /// The order is unspecified, but depends on `boxes` and the groups of their bodies alone.
-    fn pairs<F: PairFilter>(
+    fn pairs(
         &mut self,
         boxes: &[BodyBox],
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     );
 }
@@ -138,44 +138,24 @@ pub(crate) struct Methods {
 
 impl Methods {
     /// Appends the pairs that a method finds, as [`BroadPhase::pairs`] does.
-    pub(crate) fn pairs<F: PairFilter>(
+    pub(crate) fn pairs(
         &mut self,
         (method, instructions): (Method, InstructionSet),
         boxes: &[BodyBox],
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
-        // Those that are only compared with are compiled once, for all filters.
-        let any: &dyn PairFilter = filter;
         match method {
-            Method::BruteForce => self.brute_force.pairs(boxes, &any, candidates),
-            Method::Tree => self.tree.pairs(boxes, &any, candidates),
+            Method::BruteForce => self.brute_force.pairs(boxes, filter, candidates),
+            Method::Tree => self.tree.pairs(boxes, filter, candidates),
             Method::Sweep => self.sweep.at(instructions).pairs(boxes, filter, candidates),
         }
     }
 }
 
-impl PairFilter for &dyn PairFilter {
-    fn admits(&self, a: u32, b: u32) -> bool {
-        (**self).admits(a, b)
-    }
-
-    fn groups(&self) -> Groups {
-        (**self).groups()
-    }
-
-    fn group(&self, body: u32) -> u8 {
-        (**self).group(body)
-    }
-
-    fn gives_up(&self) -> bool {
-        (**self).gives_up()
-    }
-}
-
 /// Appends the pair if the filter admits it.
 #[inline]
-fn emit<F: PairFilter>(one: u32, other: u32, filter: &F, candidates: &mut Vec<Candidate>) {
+fn emit(one: u32, other: u32, filter: &dyn PairFilter, candidates: &mut Vec<Candidate>) {
     let pair = Candidate::new(one, other);
     if filter.admits(pair.a, pair.b) {
         candidates.push(pair);

@@ -24,10 +24,10 @@ impl fmt::Debug for Tree {
 }
 
 impl BroadPhase for Tree {
-    fn pairs<F: PairFilter>(
+    fn pairs(
         &mut self,
         boxes: &[BodyBox],
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         // Leaves are numbered by position: parry needs dense ids, and 0 and 1 where there are no

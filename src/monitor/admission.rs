@@ -2,17 +2,12 @@
 
 use super::interrupt::Interrupt;
 use crate::broad_phase::{CandidateLimit, Groups, PairFilter};
-use crate::scene::{LayerGroups, Scene};
+use crate::scene::{PairAdmission, Scene};
 
 /// The filter of pairs of slots, by layers and ignored pairs.
 #[derive(Debug)]
 pub(super) struct SlotAdmission<'s> {
-    pub(super) scene: &'s Scene,
-    /// The widest margin, m.
-    margin: f64,
-    /// True if each two bodies may be a pair.
-    admits_all: bool,
-    groups: LayerGroups,
+    pub(super) pairs: PairAdmission<'s>,
     /// The filter gives up if this is requested.
     interrupt: Option<&'s Interrupt>,
 }
@@ -21,17 +16,10 @@ pub(super) struct SlotAdmission<'s> {
 pub(super) type LimitedAdmission<'s> = CandidateLimit<'s, SlotAdmission<'s>>;
 
 impl<'s> SlotAdmission<'s> {
+    /// Returns the filter of pairs within the widest margin, m.
     pub(super) fn of(scene: &'s Scene, margin: f64, interrupt: Option<&'s Interrupt>) -> Self {
-        let admits_all = scene.admits_all(margin);
         Self {
-            scene,
-            margin,
-            admits_all,
-            groups: if admits_all {
-                LayerGroups::ONE
-            } else {
-                scene.layer_groups()
-            },
+            pairs: PairAdmission::of(scene, margin),
             interrupt,
         }
     }
@@ -39,16 +27,15 @@ impl<'s> SlotAdmission<'s> {
 
 impl PairFilter for SlotAdmission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.admits_all || self.scene.admits(a, b, self.margin)
+        self.pairs.admits(a, b)
     }
 
     fn groups(&self) -> Groups {
-        self.groups.groups
+        self.pairs.groups()
     }
 
     fn group(&self, slot: u32) -> u8 {
-        let layers = self.scene.layers(slot);
-        layers.map_or(0, |layers| self.groups.of_layers(layers))
+        self.pairs.group(slot)
     }
 
     fn gives_up(&self) -> bool {

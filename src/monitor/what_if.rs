@@ -56,7 +56,7 @@ impl Monitor {
         let (margin, _) = self.search.margin_and_frame();
         let filter = SlotAdmission::of(&self.scene, margin, None);
         let admits = |other: u32| filter.admits(id.slot.min(other), id.slot.max(other));
-        let found = self.conflicts_on((id, body.tag), (plan, shape), alert.margin, admits);
+        let found = self.conflicts_on((id, body.tag), (plan, shape), alert.margin, &admits);
         found.map_err(|error| error.with_id(id))
     }
 
@@ -95,7 +95,7 @@ impl Monitor {
             other.is_some_and(|(_, entry)| entry.body.layers.admits(body.layers))
         };
         let own = (&body.trajectory, body.shape());
-        self.conflicts_on((id, body.tag), own, alert.margin, admits)
+        self.conflicts_on((id, body.tag), own, alert.margin, &admits)
     }
 
     /// Returns the conflicts within a margin (m) of a body of this name, plan and shape with the others
@@ -105,7 +105,7 @@ impl Monitor {
         (id, tag): (BodyId, u64),
         (plan, shape): (&Trajectory, BodyShape<'_>),
         margin: f64,
-        admits: impl Fn(u32) -> bool,
+        admits: &dyn Fn(u32) -> bool,
     ) -> Result<Vec<Conflict>, Error> {
         let monitored = self.change_context()?.monitored_body(plan, shape, tag)?;
         let own = monitored.view(plan, shape);

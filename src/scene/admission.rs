@@ -3,7 +3,51 @@
 use super::Scene;
 use super::layer_groups::LayerGroups;
 use super::partners::{Partners, can_reach, radius};
-use crate::layers::Layers;
+use crate::broad_phase::Groups;
+
+/// The pairs of slots whose bodies may be pairs within a margin.
+#[derive(Debug)]
+pub(crate) struct PairAdmission<'s> {
+    pub(crate) scene: &'s Scene,
+    /// m.
+    margin: f64,
+    /// True if any two bodies may be a pair.
+    admits_all: bool,
+    groups: LayerGroups,
+}
+
+impl<'s> PairAdmission<'s> {
+    pub(crate) fn of(scene: &'s Scene, margin: f64) -> Self {
+        let admits_all = scene.admits_all(margin);
+        Self {
+            scene,
+            margin,
+            admits_all,
+            groups: if admits_all {
+                LayerGroups::ONE
+            } else {
+                scene.kinds.layer_groups()
+            },
+        }
+    }
+
+    #[inline]
+    pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
+        self.admits_all || self.scene.admits(a, b, self.margin)
+    }
+
+    pub(crate) const fn groups(&self) -> Groups {
+        self.groups.groups
+    }
+
+    /// Returns the group of the body in a slot; the first one if there is no body.
+    pub(crate) fn group(&self, slot: u32) -> u8 {
+        if self.admits_all || self.scene.taken(slot).is_none() {
+            return 0;
+        }
+        self.groups.of_layers(self.scene.layers[slot as usize])
+    }
+}
 
 impl Scene {
     /// Returns the test whether a body has a partner: another body with which it may be a pair within a margin (m).
@@ -16,14 +60,9 @@ impl Scene {
         margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
     }
 
-    /// Returns the groups of the bodies by their layers.
-    pub(crate) fn layer_groups(&self) -> LayerGroups {
-        self.kinds.layer_groups()
-    }
-
     /// Returns true if the bodies of two slots may be a pair with a margin (m): by layers, ignored
     /// pairs, and radii, which a negative margin may exceed.
-    pub(crate) fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
+    fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
         let [Some(key_a), Some(key_b)] = [a, b].map(|slot| self.taken(slot)) else {
             return false;
         };
@@ -32,11 +71,6 @@ impl Scene {
         of_a.admits(of_b)
             && (margin >= 0.0 || self.can_reach(a, b, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(key_a.id(a), key_b.id(b)))
-    }
-
-    /// Returns the layers of the body in a slot, if there is one.
-    pub(crate) fn layers(&self, slot: u32) -> Option<Layers> {
-        self.taken(slot).map(|_| self.layers[slot as usize])
     }
 
     /// Returns true if the spheres of two bodies may be within a margin (m), which is negative.

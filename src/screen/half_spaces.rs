@@ -31,10 +31,10 @@ impl PreparedScene<'_> {
     /// # Errors
     ///
     /// If there are more spans in the list than the limit allows.
-    pub(super) fn compare_half_spaces<F: PairFilter>(
+    pub(super) fn compare_half_spaces(
         &self,
         bodies: &impl Bodies,
-        filter: &F,
+        filter: &dyn PairFilter,
         found: &mut Vec<SpanKey>,
     ) -> Result<u64, LimitExceeded> {
         /// Bodies that one thread compares at a time.
@@ -91,12 +91,12 @@ impl PreparedScene<'_> {
 
     /// Lists the spans of the body at a place with a half-space. Returns the number of spans
     /// examined.
-    fn compare_half_space<F: PairFilter>(
+    fn compare_half_space(
         &self,
         body: u32,
         plane: &Plane<'_>,
         bodies: &impl Bodies,
-        filter: &F,
+        filter: &dyn PairFilter,
         near: &mut Vec<SpanKey>,
     ) -> u64 {
         let place = body as usize;

@@ -16,13 +16,13 @@ mod survey;
 pub(crate) use solve::{conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};
-use crate::broad_phase::{Everyone, Groups, Method, PairFilter};
+use crate::broad_phase::{Method, PairFilter};
 use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::query::Query;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, PairAdmission, Scene};
 use crate::search::{
     BoxedBodies, SceneStatistics, SliceTrials, SourceMemory, TimeSlices, WindowSearch,
 };
@@ -126,20 +126,12 @@ impl Scene {
                 is_cancelled.store(true, Ordering::Relaxed);
             }
         };
-        let screened = if self.admits_all(query.margin()) {
-            let filter = Cancellable {
-                filter: &Everyone,
-                is_cancelled: &is_cancelled,
-            };
-            prepared.screen(query.method, &filter, &tell)
-        } else {
-            let filter = Cancellable {
-                filter: &PlaceAdmission::new(self, &prepared),
-                is_cancelled: &is_cancelled,
-            };
-            prepared.screen(query.method, &filter, &tell)
+        let filter = PlaceAdmission {
+            pairs: PairAdmission::of(self, query.margin()),
+            ids: &prepared.ids,
+            is_cancelled: &is_cancelled,
         };
-        let mut screening = screened?;
+        let mut screening = prepared.screen(query.method, &filter, &tell)?;
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
         tell(1.0);
@@ -222,41 +214,13 @@ impl Scene {
             return Ok(1);
         }
         let statistics = prepared.statistics();
-        let slices = if self.admits_all(query.margin()) {
-            prepared.slices(&statistics, &Everyone, &|places| prepared.sources(places))
-        } else {
-            let filter = PlaceAdmission::new(self, &prepared);
-            prepared.slices(&statistics, &filter, &|places| prepared.sources(places))
+        let filter = PlaceAdmission {
+            pairs: PairAdmission::of(self, query.margin()),
+            ids: &prepared.ids,
+            is_cancelled: &AtomicBool::new(false),
         };
+        let slices = prepared.slices(&statistics, &filter, &|places| prepared.sources(places));
         Ok(slices.count())
-    }
-}
-
-/// A filter that gives up once the caller has ended the screening.
-struct Cancellable<'a, F> {
-    filter: &'a F,
-    is_cancelled: &'a AtomicBool,
-}
-
-impl<F: PairFilter> PairFilter for Cancellable<'_, F> {
-    #[inline]
-    fn admits(&self, a: u32, b: u32) -> bool {
-        self.filter.admits(a, b)
-    }
-
-    #[inline]
-    fn groups(&self) -> Groups {
-        self.filter.groups()
-    }
-
-    #[inline]
-    fn group(&self, body: u32) -> u8 {
-        self.filter.group(body)
-    }
-
-    #[inline]
-    fn gives_up(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
     }
 }
 
@@ -305,10 +269,10 @@ impl PreparedScene<'_> {
         (sources, slices)
     }
 
-    fn screen<F: PairFilter>(
+    fn screen(
         &self,
         method: Method,
-        filter: &F,
+        filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, Error> {
         let screening = Screening {
@@ -340,11 +304,11 @@ impl PreparedScene<'_> {
     }
 
     /// Finds all conflicts, and completes the answer.
-    fn search<F: PairFilter>(
+    fn search(
         &self,
         bodies: &(impl BoxedBodies + Copy),
         slicing: (&TimeSlices, &SceneStatistics),
-        (method, filter): (Method, &F),
+        (method, filter): (Method, &dyn PairFilter),
         progress: &(impl Fn(f64) + Sync),
         mut screening: Screening,
     ) -> Result<Screening, Error> {

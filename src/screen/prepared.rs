@@ -11,15 +11,12 @@ use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::knots::Knots;
-use crate::layers::Layers;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::query::Query;
 use crate::rounding::exact_interval;
-use crate::scene::{
-    Body, CubicArena, IgnoredPairs, LayerGroups, Scene, SceneEntry, can_reach, radius,
-};
+use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
     Bodies, BoxedBodies, Lifetimes, Limits, SceneStatistics, SearchScratch, SlicesToForm,
     SourceMemory, SourcesInPlace,
@@ -29,6 +26,7 @@ use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
 use std::slice::from_ref;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Box sources of all bodies, by place.
 pub(super) type SourceList<'a> = Vec<CubicSource<'a, CompactCubic>>;
@@ -304,48 +302,29 @@ impl BoxedBodies for ListedBodies<'_> {
     }
 }
 
-/// Layers and ignored pairs, by place.
+/// The pairs that a scene admits, by place; none any more once the screening is cancelled.
 pub(super) struct PlaceAdmission<'a> {
-    layers: Vec<Layers>,
-    groups: LayerGroups,
-    /// Radii, if the margin is negative, which excludes some pairs.
-    radii: Vec<f64>,
-    margin: f64,
-    ids: &'a [BodyId],
-    ignored: &'a IgnoredPairs,
-}
-
-impl<'a> PlaceAdmission<'a> {
-    pub(super) fn new(scene: &'a Scene, prepared: &'a PreparedScene<'_>) -> Self {
-        let bodies = || prepared.entries.iter().map(|entry| &entry.body);
-        let is_negative = prepared.margin < 0.0;
-        let radii = bodies().filter(|_| is_negative).map(radius);
-        Self {
-            layers: bodies().map(|body| body.layers).collect(),
-            groups: scene.layer_groups(),
-            radii: radii.collect(),
-            margin: prepared.margin,
-            ids: &prepared.ids,
-            ignored: scene.ignored(),
-        }
-    }
+    pub(super) pairs: PairAdmission<'a>,
+    pub(super) ids: &'a [BodyId],
+    pub(super) is_cancelled: &'a AtomicBool,
 }
 
 impl PairFilter for PlaceAdmission<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
-        let (a, b) = (a as usize, b as usize);
-        self.layers[a].admits(self.layers[b])
-            && (self.radii.is_empty() || can_reach(self.radii[a], self.radii[b], self.margin))
-            && (self.ignored.is_empty() || !self.ignored.contains(self.ids[a], self.ids[b]))
+        let [a, b] = [a, b].map(|place| self.ids[place as usize].slot);
+        self.pairs.admits(a, b)
     }
 
     fn groups(&self) -> Groups {
-        self.groups.groups
+        self.pairs.groups()
     }
 
-    #[inline]
-    fn group(&self, body: u32) -> u8 {
-        self.groups.of_layers(self.layers[body as usize])
+    fn group(&self, place: u32) -> u8 {
+        self.pairs.group(self.ids[place as usize].slot)
+    }
+
+    fn gives_up(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed)
     }
 }
 

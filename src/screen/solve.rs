@@ -105,7 +105,7 @@ impl PreparedScene<'_> {
         &self,
         bodies: &impl Bodies,
         survivors: &[SpanKey],
-        filter: &impl PairFilter,
+        filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
     ) -> Vec<Conflict> {
         let pairs: Vec<OfPair<'_>> = survivors

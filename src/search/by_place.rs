@@ -3,12 +3,12 @@
 use crate::broad_phase::{Groups, PairFilter};
 
 /// A filter of bodies, asked about their places in a list.
-pub(super) struct ByPlace<'a, F: ?Sized> {
+pub(super) struct ByPlace<'a> {
     pub(super) bodies: &'a [u32],
-    pub(super) filter: &'a F,
+    pub(super) filter: &'a dyn PairFilter,
 }
 
-impl<F: PairFilter + ?Sized> PairFilter for ByPlace<'_, F> {
+impl PairFilter for ByPlace<'_> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
         // A body that teleports has two places, the second one behind all others.

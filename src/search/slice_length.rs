@@ -195,7 +195,7 @@ impl Tried {
 
 /// A filter of a sample's pairs by groups alone.
 struct ByGroups<'a> {
-    filter: ByPlace<'a, dyn PairFilter + 'a>,
+    filter: ByPlace<'a>,
     groups: Groups,
 }
 

@@ -46,10 +46,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// # Errors
     ///
     /// [`LimitExceeded`] for more spans, or more candidates at an instant, than the limits.
-    pub(crate) fn spans<F: PairFilter>(
+    pub(crate) fn spans(
         &self,
         (slices, statistics): (&TimeSlices, &SceneStatistics),
-        filter: &F,
+        filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
@@ -104,11 +104,11 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     }
 
     /// Lists the spans of a few slices in `scratch.found`; returns the counts.
-    fn block<F: PairFilter>(
+    fn block(
         &self,
         slices: &TimeSlices,
         range: Range<u32>,
-        filter: &F,
+        filter: &dyn PairFilter,
         scratch: &mut SearchScratch,
     ) -> Result<Stats, LimitExceeded> {
         let mut stats = Stats::default();
@@ -184,11 +184,11 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
 
     /// Adds the spans of a slice's candidates to those found; returns the number examined. If the
     /// filter gives up, spans may be missing.
-    fn refine<F: PairFilter>(
+    fn refine(
         &self,
         slice: &SliceBounds,
         (interval, candidates): ((f64, f64), &[Candidate]),
-        filter: &F,
+        filter: &dyn PairFilter,
         scratch: &mut SearchScratch,
     ) -> Result<u64, LimitExceeded> {
         /// Candidates examined before the filter is asked again: some milliseconds.
@@ -229,10 +229,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// halves have fewer candidates in all. Candidates shrink with boxes, until these are as large
     /// as hitboxes and the margin. Overlaps that remain are a crowd, which may fit the limits as a
     /// whole. So do those of bodies that fly side by side, whose boxes overlap however long they are.
-    fn divide<F: PairFilter>(
+    fn divide(
         &self,
         (interval, slice): ((f64, f64), &SliceBounds),
-        filter: &F,
+        filter: &dyn PairFilter,
         stats: &mut Stats,
         scratch: &mut SearchScratch,
     ) -> Result<(), LimitExceeded> {
@@ -297,11 +297,11 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
 
     /// Returns true unless a sample of the bodies shows that the halves of a slice have nearly twice as many candidates:
     /// also if it has too few for that, or the slice more than the limit.
-    fn shows_fewer_pairs<F: PairFilter>(
+    fn shows_fewer_pairs(
         &self,
         halves: &SliceBlock,
         slice: &SliceBounds,
-        filter: &F,
+        filter: &dyn PairFilter,
         scratch: &mut SearchScratch,
     ) -> bool {
         /// Fewest candidates of a sample that tell something.
@@ -326,12 +326,12 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
 
     /// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
     /// there are more than the limit.
-    fn list_pairs<F: PairFilter>(
+    fn list_pairs(
         &self,
         methods: &mut Methods,
         slice: &SliceBounds,
         room: u64,
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) -> bool {
         let by_place = ByPlace {

@@ -7,16 +7,16 @@ use crate::broad_phase::{BodyBox, Candidate, PairFilter, emit};
 use crate::simd::Task;
 
 /// Finds overlapping pairs by comparing each box with all others.
-pub(super) struct CompareAll<'a, F> {
+pub(super) struct CompareAll<'a> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) region: &'a Region,
     /// Low and high faces by axis, each list followed by enough unused elements for a whole step.
     pub(super) faces: &'a mut [[Vec<f32>; 3]; 2],
-    pub(super) filter: &'a F,
+    pub(super) filter: &'a dyn PairFilter,
     pub(super) candidates: &'a mut Vec<Candidate>,
 }
 
-impl<F: PairFilter> Task for CompareAll<'_, F> {
+impl Task for CompareAll<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -93,12 +93,12 @@ impl Sweep {
     }
 
     /// Appends the pairs of boxes that belong to a region.
-    fn find<F: PairFilter>(
+    fn find(
         &mut self,
         boxes: &[BodyBox],
         region: Region,
         depth: usize,
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         if boxes.len() < Self::FEW || boxes.len() > Self::MAX {
@@ -142,11 +142,11 @@ impl Sweep {
     }
 
     /// Appends the pairs of boxes that are sorted into rows; several threads share many of them.
-    fn sweep_rows<F: PairFilter>(
+    fn sweep_rows(
         &mut self,
         boxes: &[BodyBox],
         region: Option<&Region>,
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         let Self {
@@ -185,11 +185,11 @@ impl Sweep {
     }
 
     /// Appends the pairs of boxes that belong to a region, comparing each with each.
-    fn compare_all<F: PairFilter>(
+    fn compare_all(
         &mut self,
         boxes: &[BodyBox],
         region: &Region,
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         self.instructions.run(CompareAll {
@@ -202,11 +202,11 @@ impl Sweep {
     }
 
     /// Appends the pairs of the boxes divided at a depth.
-    fn find_in_parts<F: PairFilter>(
+    fn find_in_parts(
         &mut self,
         region: Region,
         depth: usize,
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         // Taken out meanwhile: what is below uses the scratch of further depths.
@@ -226,10 +226,10 @@ impl Default for Sweep {
 }
 
 impl BroadPhase for Sweep {
-    fn pairs<F: PairFilter>(
+    fn pairs(
         &mut self,
         boxes: &[BodyBox],
-        filter: &F,
+        filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) {
         self.copies_left = Self::MAX_COPIES * boxes.len();

@@ -22,17 +22,17 @@ struct Hit {
 }
 
 /// Finds the pairs of boxes in sorted rows.
-pub(super) struct SweepRows<'a, F> {
+pub(super) struct SweepRows<'a> {
     pub(super) boxes: &'a [BodyBox],
     pub(super) rows: &'a SortedRows,
     /// The lists of successors that are compared.
     pub(super) lists: Range<usize>,
     pub(super) region: Option<&'a Region>,
-    pub(super) filter: &'a F,
+    pub(super) filter: &'a dyn PairFilter,
     pub(super) candidates: &'a mut Vec<Candidate>,
 }
 
-impl<F: PairFilter> Task for SweepRows<'_, F> {
+impl Task for SweepRows<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -45,7 +45,7 @@ impl<F: PairFilter> Task for SweepRows<'_, F> {
     }
 }
 
-impl<F: PairFilter> SweepRows<'_, F> {
+impl SweepRows<'_> {
     #[inline(always)]
     fn sweep<const GROUPED: bool>(mut self) {
         let SortedRows {
@@ -121,7 +121,7 @@ fn meeting(
     lanes
 }
 
-impl<F: PairFilter> SweepRows<'_, F> {
+impl SweepRows<'_> {
     /// Emits the pairs of hits that belong to their row and whose boxes overlap.
     #[inline(never)]
     fn report(&mut self, hits: &[Hit]) {

@@ -25,7 +25,7 @@ impl LookaheadSearch {
         (slot, monitored, own): (u32, &MonitoredBody, &BodyView<'_>),
         margin: f64,
         (from, to): (f64, f64),
-        admits: impl Fn(u32) -> bool,
+        admits: &dyn Fn(u32) -> bool,
         mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
         let mut neighbours = self.neighbours(scene, (monitored, own), (from, to));

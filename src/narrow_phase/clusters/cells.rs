@@ -19,8 +19,8 @@ pub(super) struct Cell {
 /// rule out most others.
 pub(super) fn nearest_first<'a>(
     cells: Cells<'a>,
-    distance: impl Fn(&Cell) -> Option<f64>,
-    mut visit: impl FnMut(&Cell),
+    distance: &dyn Fn(&Cell) -> Option<f64>,
+    visit: &mut dyn FnMut(&Cell),
 ) {
     let mut cells = cells.filter_map(|cell| distance(&cell).map(|distance| (distance, cell)));
     let Some(first) = cells.next() else {
@@ -44,10 +44,10 @@ pub(super) fn nearest_first<'a>(
 /// interval (s). If there are many, only parts matter in which a bounding sphere is within a distance (m):
 /// `near` returns its motion and that distance, or `None` if that is never so.
 pub(super) fn each_near<'a>(
-    cells: impl Fn((f64, f64)) -> Cells<'a>,
+    cells: &dyn Fn((f64, f64)) -> Cells<'a>,
     (interval, after): ((f64, f64), f64),
-    near: impl FnOnce() -> Option<(RelativeCubic, UncertainCubic, f64)>,
-    mut visit: impl FnMut(&Cell),
+    near: &dyn Fn() -> Option<(RelativeCubic, UncertainCubic, f64)>,
+    visit: &mut dyn FnMut(&Cell),
 ) {
     let mut visited = after;
     let mut visit_all = |times: (f64, f64)| {

@@ -57,7 +57,7 @@ impl<'a> TurningOverPlane<'a> {
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
         let cells = |interval| self.cells(interval);
-        each_near(cells, (interval, after), near, |cell| {
+        each_near(&cells, (interval, after), &near, &mut |cell| {
             self.each_lowest(cell, margin, (&mut rotations, &mut ways), |pair| {
                 solve(pair, cell.span)
             });
@@ -80,7 +80,7 @@ impl<'a> TurningOverPlane<'a> {
             Some(whole.cubic.at(middle).0.x)
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        nearest_first(self.cells(window), height, |cell| {
+        nearest_first(self.cells(window), &height, &mut |cell| {
             let mut least = reached;
             self.each_lowest(cell, reached, (&mut rotations, &mut ways), |pair| {
                 least = least.min(solve(pair, cell.span));

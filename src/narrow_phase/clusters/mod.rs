@@ -142,7 +142,7 @@ impl<'a> ClusterPair<'a> {
             Some(cubic.at(middle).0.length_squared())
         };
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        nearest_first(self.cells(window), distance, |cell| {
+        nearest_first(self.cells(window), &distance, &mut |cell| {
             let Some(part) = self.part(cell, reached, &mut rotations) else {
                 return;
             };
@@ -209,7 +209,7 @@ impl<'a> ClusterPair<'a> {
             Some((cubic, cubic.uncertain(), threshold))
         };
         let cells = |interval| self.cells(interval);
-        each_near(cells, (interval, after), near, |cell| {
+        each_near(&cells, (interval, after), &near, &mut |cell| {
             if let Some(part) = self.part(cell, margin, &mut rotations) {
                 visit(&part, cell.span, &mut scratch);
             }

@@ -31,7 +31,9 @@ impl<F> NearestQuestion<F> {
 }
 
 impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for NearestQuestion<F> {
-    const IS_OF_ALL_TIMES: bool = true;
+    fn is_of_all_times(&self) -> bool {
+        true
+    }
 
     fn list_pieces(&self, (start, end): (f64, f64), pieces: &mut Pieces) {
         let Some(bounds) = &self.bounds else {

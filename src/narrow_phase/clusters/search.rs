@@ -14,9 +14,11 @@ use std::collections::BTreeMap;
 
 /// A question about two bodies over a part of a span.
 pub(super) trait Question {
-    /// True if all pairs matter that are the nearest ones at some time. Where they are few they are compared with each other
-    /// before any is solved.
-    const IS_OF_ALL_TIMES: bool = false;
+    /// Returns true if all pairs matter that are the nearest ones at some time. Where they are few they are compared with
+    /// each other before any is solved.
+    fn is_of_all_times(&self) -> bool {
+        false
+    }
 
     /// Appends the pieces of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
     /// be reached.
@@ -85,7 +87,7 @@ impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuesti
 
 impl SpheresOverPart<'_> {
     /// Solves the pairs of spheres that may matter to a question, each once.
-    pub(super) fn search(&self, question: &mut impl Question, scratch: &mut PartScratch) {
+    pub(super) fn search(&self, question: &mut dyn Question, scratch: &mut PartScratch) {
         let PartScratch {
             near,
             buffers,
@@ -108,9 +110,9 @@ impl SpheresOverPart<'_> {
 }
 
 /// A search in progress.
-struct Search<'s, 'a, Q> {
+struct Search<'s, 'a> {
     part: &'s SpheresOverPart<'a>,
-    question: &'s mut Q,
+    question: &'s mut dyn Question,
     /// Pieces of the interval at hand.
     pieces: Pieces,
     /// Difference of separations below which it is not certain which pair of spheres is nearer, m. `None` if that was not
@@ -123,7 +125,7 @@ struct Search<'s, 'a, Q> {
     is_divided: bool,
 }
 
-impl<Q: Question> Search<'_, '_, Q> {
+impl Search<'_, '_> {
     /// Largest number of candidates that are not compared with each other.
     const FEW: usize = 4;
 
@@ -195,7 +197,7 @@ impl<Q: Question> Search<'_, '_, Q> {
             nearest,
             ..
         } = &mut *self.buffers;
-        if Q::IS_OF_ALL_TIMES && !self.is_divided {
+        if self.question.is_of_all_times() && !self.is_divided {
             // Pairs that go along together are told apart by each other, before any is solved.
             nearest.clear();
             find_nearest(candidates, 0, slack, HALVINGS, nearest);
