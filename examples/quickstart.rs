@@ -2,7 +2,7 @@
 
 use nearmiss::{Body, Hitbox, Query, Scene, State, Trajectory};
 use std::error::Error;
-use std::io::{Write, stdout};
+use std::io::{ErrorKind, Write, stdout};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
@@ -14,8 +14,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     // m between surfaces
     for conflict in scene.screen(&Query::default().with_margin(2.0))?.conflicts {
-        // `println!` would panic if nobody reads any more.
-        writeln!(stdout(), "{conflict}")?;
+        match writeln!(stdout(), "{conflict}") {
+            // Nobody reads any more: `println!` would panic.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
+            written => written?,
+        }
     }
     Ok(())
 }

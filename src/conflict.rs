@@ -135,6 +135,24 @@ impl Clip {
 }
 
 impl Conflict {
+    /// Returns true if one of the two bodies is this one.
+    #[must_use]
+    pub fn involves(&self, id: BodyId) -> bool {
+        self.a == id || self.b == id
+    }
+
+    /// Returns the body that this one meets; `None` if the conflict is of two other bodies.
+    #[must_use]
+    pub fn other(&self, id: BodyId) -> Option<BodyId> {
+        other_of((self.a, self.b), id)
+    }
+
+    /// Returns the time between enter and exit, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.exit - self.enter
+    }
+
     /// Compares in the order of reports: by enter, then a, then b.
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
@@ -175,6 +193,15 @@ impl fmt::Display for Conflict {
             (false, true) => ", cut off at exit",
             (true, true) => ", cut off at both ends",
         })
+    }
+}
+
+/// Returns the body of a pair that is not this one; `None` if this one is not of the pair.
+pub(crate) fn other_of((a, b): (BodyId, BodyId), id: BodyId) -> Option<BodyId> {
+    if id == a {
+        Some(b)
+    } else {
+        (id == b).then_some(a)
     }
 }
 

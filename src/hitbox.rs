@@ -21,6 +21,16 @@ pub struct Sphere {
     pub radius: f64,
 }
 
+impl Sphere {
+    /// Returns a sphere around a point relative to the body's position (m), of a radius (m); making a hitbox of it checks
+    /// it.
+    #[must_use]
+    pub fn new(offset: impl Into<DVec3>, radius: f64) -> Self {
+        let offset = offset.into();
+        Self { offset, radius }
+    }
+}
+
 /// A sphere, a cluster of spheres that stand in for another shape, or a [half-space](Self::half_space).
 ///
 /// Cost, where two clusters may be near each other: some microseconds for clusters of a few spheres, and tens of

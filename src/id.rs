@@ -4,9 +4,9 @@ use std::fmt;
 
 /// Names one body of one scene. An id whose body was removed is never valid again.
 ///
-/// Ids are ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order.
+/// Ids are ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order. `serde` writes
+/// [one number](Self::to_bits), which can be a key of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId {
     pub(crate) slot: u32,
     pub(crate) generation: u32,
@@ -56,6 +56,20 @@ impl BodyId {
     #[must_use]
     pub const fn generation(self) -> u32 {
         self.generation
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for BodyId {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u64(self.to_bits())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for BodyId {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        u64::deserialize(deserializer).map(Self::from_bits)
     }
 }
 

@@ -69,6 +69,13 @@ impl Query {
         }
     }
 
+    /// Returns the query for another window.
+    #[must_use]
+    pub const fn with_window(mut self, window: Window) -> Self {
+        self.window = Some(window);
+        self
+    }
+
     /// Returns the query with a margin, m: bodies are in conflict while their separation is at most
     /// this. A negative margin asks for overlaps of at least that depth.
     #[must_use]

@@ -74,6 +74,12 @@ impl Window {
         self.end
     }
 
+    /// Returns the time between both ends, s; infinite unless the window [is closed](Self::is_closed).
+    #[must_use]
+    pub fn duration(self) -> f64 {
+        self.end - self.start
+    }
+
     /// Returns both ends, s.
     pub(crate) const fn ends(self) -> (f64, f64) {
         (self.start, self.end)

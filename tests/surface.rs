@@ -248,3 +248,86 @@ fn sources_of_errors() {
             .is_some_and(|source| source.source().is_none())
     );
 }
+
+/// An empty list would look like a free way.
+#[test]
+fn before_the_first_tick_nothing_is_known() -> Result<(), Error> {
+    let scene = passing()?;
+    let id = scene.bodies().map(|(id, _)| id).next().unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, 20.0, &[AlertLevel::at(5.0)])?;
+    let is_unknown = |found: Result<usize, Error>| matches!(found, Err(Error::NothingKnown { now, .. }) if now == 0.0);
+    assert!(is_unknown(monitor.conflicts(0).map(<[_]>::len)));
+    assert!(is_unknown(monitor.conflicts_of(id, 0).map(Iterator::count)));
+    let next = monitor.next_conflict(id, 0);
+    assert!(is_unknown(next.map(|next| usize::from(next.is_some()))));
+    monitor.advance(0.0, &mut Vec::new())?;
+    let found = (
+        monitor.conflicts(0)?.len(),
+        monitor.conflicts_of(id, 0)?.count(),
+    );
+    assert_eq!(found, (1, 1));
+    Ok(())
+}
+
+#[test]
+fn the_two_bodies_of_a_conflict() -> Result<(), Error> {
+    let mut scene = passing()?;
+    let third = scene.insert(Trajectory::at_rest([500.0, 0.0, 0.0])?.into())?;
+    let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+    let query = Query::default().with_margin(5.0);
+    let window = Window::new(0.0, 8.0)?;
+    let whole = scene.screen(&query)?;
+    let early = scene.screen(&query.with_window(window))?;
+    assert_eq!((early.window, window.duration()), (window, 8.0));
+    assert_eq!((&whole).into_iter().count(), 1);
+    let conflict = early.conflicts[0];
+    assert_eq!((conflict.enter, conflict.duration()), (6.0, 2.0));
+    assert_eq!(
+        [ids[0], ids[1], third].map(|id| conflict.involves(id)),
+        [true, true, false]
+    );
+    let others = [ids[0], ids[1], third].map(|id| conflict.other(id));
+    assert_eq!(others, [Some(ids[1]), Some(ids[0]), None]);
+
+    let mut monitor = Monitor::new(scene, 0.0, 20.0, &[AlertLevel::at(5.0)])?;
+    monitor.advance(0.0, &mut Vec::new())?;
+    let encounter = *monitor.encounters().next().unwrap();
+    let others = [ids[0], ids[1], third].map(|id| encounter.other(id));
+    assert_eq!(others, [Some(ids[1]), Some(ids[0]), None]);
+    assert!(encounter.involves(ids[0]) && !encounter.involves(third));
+    Ok(())
+}
+
+/// Positions can be vectors, arrays or tuples, as those of states.
+#[test]
+fn positions_of_any_kind() -> Result<(), Error> {
+    let corner = DVec3::new(3.0, 4.0, 0.0);
+    let vectors = [(0.0, DVec3::ZERO), (5.0, corner), (6.0, corner)];
+    let arrays = vectors.map(|(time, position)| (time, position.to_array()));
+    let tuples = vectors.map(|(time, DVec3 { x, y, z })| (time, (x, y, z)));
+    let legs = Trajectory::from_waypoints(&vectors)?;
+    assert_eq!(Trajectory::from_waypoints(&arrays)?, legs);
+    assert_eq!(Trajectory::from_waypoints(&tuples)?, legs);
+    let curve = Trajectory::from_positions(&vectors)?;
+    assert_eq!(Trajectory::from_positions(&arrays)?, curve);
+    let points = [DVec3::ZERO, DVec3::X, corner, DVec3::Y];
+    let plain = points.map(|point| point.to_array());
+    let [one, other] = [
+        Trajectory::from_bezier(&[0.0, 1.0], &[points])?,
+        Trajectory::from_bezier(&[0.0, 1.0], &[plain])?,
+    ];
+    assert_eq!(one, other);
+    let [one, other] = [
+        Trajectory::from_uniform_b_spline(0.0, 1.0, &points)?,
+        Trajectory::from_uniform_b_spline(0.0, 1.0, &plain)?,
+    ];
+    assert_eq!(one, other);
+    assert_eq!(
+        Sphere::new([1.0, 0.0, 0.0], 2.0),
+        Sphere {
+            offset: DVec3::X,
+            radius: 2.0
+        }
+    );
+    Ok(())
+}

@@ -41,9 +41,22 @@ use std::process::ExitCode;
 use terminal::{Product, Progress, Threads};
 use write::Table;
 
+/// Columns of the output, for the help.
+const COLUMNS: &str = "\
+Output: a row for each conflict, with the columns
+  a, b        the bodies' labels, the earlier one in the file first
+  enter, exit the first and the last instant, s
+  tca         the time of closest approach, s
+  separation  the separation then, m
+  error       with certified: half the width of the proven enclosure of the separation, m
+  clip        1 if the conflict is cut off at enter, by the window or since a body begins; 2 at exit; 3 at both; else 0
+  resolved    with certified: 1, or 0 where f64 cannot tell whether the bodies come within the margin, or whether a gap
+              divides the conflict
+With certified, six more columns enclose enter, exit and tca.";
+
 /// Every conflict among the bodies of a file of states.
 #[derive(Debug, Parser)]
-#[command(name = "screen")]
+#[command(name = "screen", after_long_help = COLUMNS)]
 struct Arguments {
     /// A table with the columns body,t,px,py,pz,vx,vy,vz, and possibly radius, in any order; SI units; separated
     /// by commas, semicolons or tabs; gzip is unpacked; - is standard input. Bodies are whole numbers (07 is 7) or,

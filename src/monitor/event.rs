@@ -1,6 +1,6 @@
 //! Events of a monitor, and the encounters they are about.
 
-use crate::conflict::{ClosestApproach, write_course};
+use crate::conflict::{ClosestApproach, other_of, write_course};
 use crate::id::{BodyId, TaggedBody};
 use crate::readable::Readable;
 use std::cmp::Ordering;
@@ -77,6 +77,18 @@ pub struct Encounter {
 }
 
 impl Encounter {
+    /// Returns true if one of the two bodies is this one.
+    #[must_use]
+    pub fn involves(&self, id: BodyId) -> bool {
+        self.a == id || self.b == id
+    }
+
+    /// Returns the body that this one meets; `None` if the encounter is of two other bodies.
+    #[must_use]
+    pub fn other(&self, id: BodyId) -> Option<BodyId> {
+        other_of((self.a, self.b), id)
+    }
+
     /// Returns true if a monitor with so many levels can have it: for an encounter from a file.
     pub(super) fn could_be(&self, levels: usize) -> bool {
         let is_interval =

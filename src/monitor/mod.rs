@@ -365,42 +365,57 @@ impl Monitor {
     }
 
     /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b). The list is empty while nothing after now is known. A conflict under way comes first: its
+    /// last tick, sorted by (enter, a, b): with bodies that were removed since. A conflict under way comes first: its
     /// enter is the clock, and it is clipped there. [`encounters`](Self::encounters) has when it began.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownAlertLevel`].
+    /// [`Error::UnknownAlertLevel`]; [`Error::NothingKnown`] before the first tick, and while a budget leaves the
+    /// monitor behind its clock: an empty list would look like a free way.
     pub fn conflicts(&self, level: usize) -> Result<&[Conflict], Error> {
         let conflicts = self.conflicts.get(level).map(Vec::as_slice);
-        conflicts.ok_or(Error::UnknownAlertLevel { level })
+        let conflicts = conflicts.ok_or(Error::UnknownAlertLevel { level })?;
+        self.known_window().map(|_| conflicts)
+    }
+
+    /// Returns the window of which the last tick has found everything, s.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NothingKnown`] if it is empty.
+    fn known_window(&self) -> Result<(f64, f64), Error> {
+        if self.known <= self.now {
+            return Err(Error::NothingKnown {
+                now: self.now,
+                complete_until: self.known,
+            });
+        }
+        Ok((self.now, self.known))
     }
 
     /// Returns the conflicts of one body at a level, soonest first, as of the last tick: a body that was inserted since
-    /// has none yet. None are found before the first tick, and while a budget leaves the monitor behind its clock. The
-    /// call goes through all conflicts of the level; for many bodies, make a
+    /// has none yet. The call goes through all conflicts of the level; for many bodies, make a
     /// [`ConflictIndex`](crate::ConflictIndex).
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
+    /// [`Error::UnknownBody`]; as [`conflicts`](Self::conflicts).
     pub fn conflicts_of(
         &self,
         id: BodyId,
         level: usize,
     ) -> Result<impl Iterator<Item = &Conflict>, Error> {
         self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
-        Ok(self.conflicts(level)?.iter().filter(concerns))
+        let all = self.conflicts(level)?.iter();
+        Ok(all.filter(move |conflict| conflict.involves(id)))
     }
 
     /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick. `None`
-    /// says that there is none up to [`complete_until`](Self::complete_until): nothing is known before the first
-    /// tick, and while a budget leaves the monitor behind its clock.
+    /// says that there is none up to [`complete_until`](Self::complete_until).
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
+    /// [`Error::UnknownBody`]; as [`conflicts`](Self::conflicts).
     pub fn next_conflict(&self, id: BodyId, level: usize) -> Result<Option<&Conflict>, Error> {
         Ok(self.conflicts_of(id, level)?.next())
     }

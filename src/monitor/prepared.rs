@@ -92,7 +92,7 @@ impl<'m> PreparedBodies<'m> {
     /// Appends the spans in some slices to a list, as [`WindowSearch::spans`] does, on so many threads.
     pub(super) fn list_spans(
         &self,
-        slicing: (&TimeSlices, &SceneStatistics),
+        slicing: (&TimeSlices<'_>, &SceneStatistics),
         filter: &SlotAdmission<'_>,
         threads: usize,
         found: (&mut Vec<SpanKey>, &mut Stats),
@@ -113,8 +113,9 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns a window (s) in slices of the grid's `search_length`, which suits the whole lookahead.
-    pub(super) fn slices_of_search_length(&self, (from, to): (f64, f64)) -> TimeSlices {
-        TimeSlices::whole(from, to).with_count(((to - from) / self.table.search_length).round())
+    pub(super) fn slices_of_search_length(&self, (from, to): (f64, f64)) -> TimeSlices<'static> {
+        let count = ((to - from) / self.table.search_length).round();
+        TimeSlices::whole(from, to).with_count(count)
     }
 
     /// Returns a window (s) in slices of the length that suits the bodies there, searched from a length (s); and the
@@ -124,7 +125,7 @@ impl<'m> PreparedBodies<'m> {
         (from, to): (f64, f64),
         length: f64,
         filter: &SlotAdmission<'_>,
-    ) -> (TimeSlices, SceneStatistics) {
+    ) -> (TimeSlices<'static>, SceneStatistics) {
         let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {

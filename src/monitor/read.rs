@@ -107,14 +107,14 @@ impl ReadContext<'_> {
         } else {
             released.clone_from(contacts);
         }
+        // Both lists are in order of time. A pair may have thousands.
+        let mut rest = &contacts[..];
         for outer in &*released {
             // `outer` is within the release margin. The contacts within the margin that overlap it lie in it, but for
             // rounding if both margins are nearly the same.
-            let mut within = contacts
-                .iter()
-                .filter(|contact| contact.enter <= outer.exit && contact.exit >= outer.enter);
-            let first = within.next();
-            let last = within.next_back().or(first);
+            rest = &rest[rest.partition_point(|contact| contact.exit < outer.enter)..];
+            let within = &rest[..rest.partition_point(|contact| contact.enter <= outer.exit)];
+            let (first, last) = (within.first(), within.last());
             let Some(mut solved) = solved(outer) else {
                 continue;
             };

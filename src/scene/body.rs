@@ -33,6 +33,12 @@ pub struct Body {
     pub(super) model_error: f64,
 }
 
+impl From<Trajectory> for Body {
+    fn from(trajectory: Trajectory) -> Self {
+        Self::new(trajectory)
+    }
+}
+
 impl Body {
     /// Returns a point that follows `trajectory` without turning, in all layers, with tag 0.
     #[must_use]

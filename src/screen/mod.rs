@@ -51,8 +51,18 @@ impl Screening {
     /// Returns the conflicts of one body, soonest first. The call goes through all conflicts; for many bodies, make a
     /// [`ConflictIndex`](crate::ConflictIndex).
     pub fn conflicts_of(&self, id: BodyId) -> impl Iterator<Item = &Conflict> {
-        let concerns = move |conflict: &&Conflict| conflict.a == id || conflict.b == id;
-        self.conflicts.iter().filter(concerns)
+        self.conflicts
+            .iter()
+            .filter(move |conflict| conflict.involves(id))
+    }
+}
+
+impl<'s> IntoIterator for &'s Screening {
+    type Item = &'s Conflict;
+    type IntoIter = std::slice::Iter<'s, Conflict>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.conflicts.iter()
     }
 }
 
@@ -232,8 +242,8 @@ impl PreparedScene<'_> {
         statistics: &SceneStatistics,
         filter: &dyn PairFilter,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
-    ) -> TimeSlices {
-        let slices = TimeSlices::choose(self.searched(), statistics);
+    ) -> TimeSlices<'_> {
+        let slices = TimeSlices::choose(self.searched(), &self.pace, statistics);
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
@@ -253,7 +263,7 @@ impl PreparedScene<'_> {
         statistics: &SceneStatistics,
         filter: &dyn PairFilter,
         memory: &mut SourceMemory,
-    ) -> (SourceList<'_>, TimeSlices) {
+    ) -> (SourceList<'_>, TimeSlices<'_>) {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
@@ -307,7 +317,7 @@ impl PreparedScene<'_> {
     fn search(
         &self,
         bodies: &(impl BoxedBodies + Copy),
-        slicing: (&TimeSlices, &SceneStatistics),
+        slicing: (&TimeSlices<'_>, &SceneStatistics),
         (method, filter): (Method, &dyn PairFilter),
         progress: &(impl Fn(f64) + Sync),
         mut screening: Screening,
@@ -398,6 +408,37 @@ mod tests {
         let query = day.map(|day| Query::new(day).with_margin(4.0));
         let slices = query.and_then(|query| scene.cheapest_slices(&query));
         assert!(slices.is_ok_and(|count| count <= 8));
+    }
+
+    /// Short flights in one minute of a day, and some bodies at rest all day: no more is compared than in the minute alone.
+    #[test]
+    fn flights_of_a_minute_in_a_day_are_compared_in_that_minute() {
+        let mut scene = Scene::new();
+        for number in 0..2_000 {
+            let place = DVec3::new(f64::from(number % 50), f64::from(number / 50), 0.0) * 200.0;
+            let flown = (0..=6).map(|leg| {
+                let turned = DQuat::from_rotation_z(f64::from(leg * (1 + number % 7)));
+                State::new(
+                    40_000.0 + 10.0 * f64::from(leg),
+                    place,
+                    turned * (20.0 * DVec3::X),
+                )
+            });
+            let plan = if number % 200 == 0 {
+                Trajectory::at_rest(place)
+            } else {
+                Trajectory::from_states(&flown.collect::<Vec<_>>())
+            };
+            assert!(plan.is_ok_and(|plan| scene.insert(Body::new(plan)).is_ok()));
+        }
+        let spans = |start: f64, end: f64| {
+            let query = Window::new(start, end).map(|window| Query::new(window).with_margin(120.0));
+            query
+                .and_then(|query| scene.screen(&query))
+                .map_or(0, |screening| screening.stats.spans)
+        };
+        let (minute, day) = (spans(40_000.0, 40_060.0), spans(0.0, 86_400.0));
+        assert!(minute > 1_000 && day < 3 * minute, "{minute} {day}");
     }
 
     /// Shots of a few ships, all through one place, which ignore each other: neither slices nor comparisons are spent

@@ -18,7 +18,7 @@ use crate::query::Query;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
-    Bodies, BoxedBodies, Lifetimes, Limits, SceneStatistics, SearchScratch, SlicesToForm,
+    Bodies, BoxedBodies, Lifetimes, Limits, Pace, SceneStatistics, SearchScratch, SlicesToForm,
     SourceMemory, SourcesInPlace,
 };
 use crate::simd::prefetch;
@@ -36,6 +36,8 @@ pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) entries: Vec<&'a SceneEntry>,
     pub(super) lifetimes: Lifetimes,
+    /// The pace of slices.
+    pub(super) pace: Pace,
     /// Extensions beyond the knots in the window, by ascending place.
     extensions: Vec<(usize, Extension)>,
     /// Window of the answer.
@@ -86,6 +88,7 @@ impl<'a> PreparedScene<'a> {
             ids,
             entries,
             lifetimes: Lifetimes::default(),
+            pace: Pace::EVEN,
             extensions,
             asked,
             window: asked,
@@ -105,7 +108,10 @@ impl<'a> PreparedScene<'a> {
         match existence.and_then(|existence| existence.intersection(asked)) {
             Some(window) => {
                 prepared.window = window;
-                prepared.lifetimes = Lifetimes::of(std::mem::take(&mut prepared.survey.lives));
+                let lives = std::mem::take(&mut prepared.survey.lives);
+                let body_time = prepared.statistics().body_time;
+                prepared.pace = Pace::of(&lives, prepared.searched(), body_time);
+                prepared.lifetimes = Lifetimes::of(lives);
             }
             None => {
                 prepared.ids.clear();

@@ -153,14 +153,14 @@ impl Trial {
 }
 
 /// Slices of one length, with their trial and its cost for the whole window.
-struct Tried {
-    slices: TimeSlices,
+struct Tried<'p> {
+    slices: TimeSlices<'p>,
     trial: Trial,
     cost: f64,
 }
 
-impl Tried {
-    fn new(slices: TimeSlices, trial: Trial) -> Self {
+impl<'p> Tried<'p> {
+    fn new(slices: TimeSlices<'p>, trial: Trial) -> Self {
         let cost = trial.cost(1.0, &Growth::ASSUMED) * f64::from(slices.count());
         Self {
             slices,
@@ -175,8 +175,8 @@ impl Tried {
     fn longer(
         &self,
         limits: Limits,
-        attempt: impl Fn(TimeSlices) -> Self,
-    ) -> Option<(f64, TimeSlices)> {
+        attempt: impl Fn(TimeSlices<'p>) -> Self,
+    ) -> Option<(f64, TimeSlices<'p>)> {
         /// Change of length from one trial to the next, as a factor.
         const LONGER: f64 = 8.0;
         let mut cheapest = None;
@@ -232,19 +232,19 @@ pub(crate) struct SliceTrials<'a> {
 impl SliceTrials<'_> {
     /// Returns the window in slices of the length of least expected cost, searched from the given
     /// length, for the pairs that a filter admits. `sources` returns those of the bodies at some places.
-    pub(crate) fn cheapest<'p, C: BoundingCubic + 'p>(
+    pub(crate) fn cheapest<'s, 'p, C: BoundingCubic + 'p>(
         &self,
-        mut slices: TimeSlices,
+        mut slices: TimeSlices<'s>,
         (statistics, filter): (&SceneStatistics, &dyn PairFilter),
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, C>>,
-    ) -> TimeSlices {
+    ) -> TimeSlices<'s> {
         /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_IN_ALL`.
         const FEW: usize = 64;
         const FEW_IN_ALL: f64 = 4096.0;
         /// Each trial changes the length at most fourfold, or by `SHORTER` in a crowd.
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
-        let window = slices.window();
+        let window = slices.busy();
         let bodies = self.lifetimes.len();
         if bodies == 0 {
             return slices;
@@ -270,7 +270,7 @@ impl SliceTrials<'_> {
             },
             groups: filter.groups(),
         };
-        let attempt = |slices: TimeSlices| {
+        let attempt = |slices: TimeSlices<'s>| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
             Tried::new(
                 slices,
@@ -279,7 +279,7 @@ impl SliceTrials<'_> {
         };
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices, and those that are far longer than the first ones and cheaper.
-        let (mut crowded, mut longer): (Option<(f64, TimeSlices)>, _) = (None, None);
+        let (mut crowded, mut longer): (Option<(f64, TimeSlices<'s>)>, _) = (None, None);
         let mut expected = f64::INFINITY;
         for number in 0..MAX_TRIALS {
             let tried = attempt(slices);
@@ -335,7 +335,7 @@ impl SliceTrials<'_> {
         &self,
         lifetimes: &Lifetimes,
         (sources, filter): (&[CubicSource<'_, C>], &ByGroups<'_>),
-        slices: &TimeSlices,
+        slices: &TimeSlices<'_>,
         whole: f64,
         cubics: f64,
     ) -> Trial {
@@ -378,7 +378,7 @@ impl SliceTrials<'_> {
                 {
                     near += 1.0;
                     // An instant is near for all of it.
-                    shares += ((to - from) / slices.length()).min(1.0);
+                    shares += ((to - from) / (interval.1 - interval.0)).min(1.0);
                 }
             }
             boxes += slice.boxes.len() as f64;

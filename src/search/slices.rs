@@ -1,13 +1,15 @@
 //! Division of the window into slices.
 
+use super::pace::Pace;
 use std::ops::Range;
 
-/// A window divided into equal slices. Answers do not depend on the slices, only the cost does.
+/// A window divided into slices at a [pace](Pace). Answers do not depend on the slices, only the cost does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TimeSlices {
+pub(crate) struct TimeSlices<'p> {
     start: f64,
     end: f64,
     count: u32,
+    pace: &'p Pace,
 }
 
 /// Scene statistics for the choice of a slice length.
@@ -78,7 +80,7 @@ impl SceneStatistics {
     }
 }
 
-impl TimeSlices {
+impl<'p> TimeSlices<'p> {
     /// Length of boxes in mean spacings of the bodies. With longer boxes, candidates grow with the
     /// cube of their size; with shorter ones, the boxes themselves dominate.
     const SPACINGS_PER_SLICE: f64 = 0.5;
@@ -89,8 +91,10 @@ impl TimeSlices {
     /// Largest number of slices.
     const MAX_SLICES: f64 = 1e6;
 
-    /// Returns slices of `start..=end` (s, finite) by the rule above, from counts alone.
-    pub(crate) fn choose((start, end): (f64, f64), statistics: &SceneStatistics) -> Self {
+    /// Returns slices of a window (s, finite) at a pace by the rule above, from counts alone.
+    pub(crate) fn choose(window: (f64, f64), pace: &'p Pace, statistics: &SceneStatistics) -> Self {
+        let whole = Self::whole(window.0, window.1).with_pace(pace);
+        let (start, end) = whole.busy();
         let duration = end - start;
         let present = statistics.present((start, end));
         let speed = statistics.path / statistics.body_time;
@@ -105,16 +109,23 @@ impl TimeSlices {
             .min(Self::MAX_SEGMENTS_PER_SLICE * statistics.body_time / statistics.segments)
             .max(statistics.body_time / Self::MAX_BOXES);
         let count = (duration / length).ceil();
-        Self::whole(start, end).with_count(count.min(statistics.most_slices((start, end))))
+        whole.with_count(count.min(statistics.most_slices((start, end))))
     }
 
     /// Returns one slice from `start` to `end` (s, finite).
     pub(crate) const fn whole(start: f64, end: f64) -> Self {
+        static EVEN: Pace = Pace::EVEN;
         Self {
             start,
             end,
             count: 1,
+            pace: &EVEN,
         }
+    }
+
+    /// Returns the slices at another pace.
+    pub(crate) const fn with_pace(self, pace: &'p Pace) -> Self {
+        Self { pace, ..self }
     }
 
     /// Returns the window in about `count` slices; in one if that is NaN or infinite.
@@ -140,9 +151,10 @@ impl TimeSlices {
         }
     }
 
-    /// Returns the duration of a slice, s.
+    /// Returns the duration of a slice, s: of those in which most bodies exist.
     pub(crate) fn length(&self) -> f64 {
-        (self.end - self.start) / f64::from(self.count)
+        let (start, end) = self.busy();
+        (end - start) / f64::from(self.count)
     }
 
     /// Returns the number of the slice at a share of the window, 0..1.
@@ -166,9 +178,10 @@ impl TimeSlices {
         ends.extend(boundaries.map(|index| self.boundary(index)));
     }
 
-    /// Returns the first and last instant of the window, s.
-    pub(crate) const fn window(&self) -> (f64, f64) {
-        (self.start, self.end)
+    /// Returns a window (s) for statistics, as long as the time in which most bodies exist.
+    pub(crate) fn busy(&self) -> (f64, f64) {
+        let duration = self.pace.busy(self.end - self.start);
+        (self.start, self.start + duration)
     }
 
     fn boundary(&self, index: u32) -> f64 {
@@ -176,7 +189,7 @@ impl TimeSlices {
             self.end
         } else {
             let share = f64::from(index) / f64::from(self.count);
-            (self.start + share * (self.end - self.start)).min(self.end)
+            self.pace.at(share, (self.start, self.end))
         }
     }
 }
@@ -203,7 +216,7 @@ mod tests {
             world: [100.0; 3],
             separation: 1.0,
         };
-        let slices = TimeSlices::choose((5.0, 65.0), &statistics);
+        let slices = TimeSlices::choose((5.0, 65.0), &Pace::EVEN, &statistics);
         assert!(slices.count() > 10);
         assert!(slices.interval(0).0.to_bits() == 5.0_f64.to_bits());
         assert!(slices.interval(slices.count() - 1).1.to_bits() == 65.0_f64.to_bits());
@@ -232,7 +245,9 @@ mod tests {
             world: [0.0; 3],
             separation: 0.0,
         };
-        assert_eq!(TimeSlices::choose((0.0, 1.0), &nothing_moves).count(), 1);
-        assert_eq!(TimeSlices::choose((2.0, 2.0), &nothing_moves).count(), 1);
+        for window in [(0.0, 1.0), (2.0, 2.0)] {
+            let slices = TimeSlices::choose(window, &Pace::EVEN, &nothing_moves);
+            assert_eq!(slices.count(), 1);
+        }
     }
 }

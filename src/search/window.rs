@@ -48,7 +48,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// [`LimitExceeded`] for more spans, or more candidates at an instant, than the limits.
     pub(crate) fn spans(
         &self,
-        (slices, statistics): (&TimeSlices, &SceneStatistics),
+        (slices, statistics): (&TimeSlices<'_>, &SceneStatistics),
         filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
@@ -106,7 +106,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
     /// Lists the spans of a few slices in `scratch.found`; returns the counts.
     fn block(
         &self,
-        slices: &TimeSlices,
+        slices: &TimeSlices<'_>,
         range: Range<u32>,
         filter: &dyn PairFilter,
         scratch: &mut SearchScratch,
@@ -387,11 +387,11 @@ impl SliceBlocks {
         reason = "rounds towards zero, saturates"
     )]
     fn of(
-        slices: &TimeSlices,
+        slices: &TimeSlices<'_>,
         statistics: &SceneStatistics,
         (bodies, threads): (usize, usize),
     ) -> Self {
-        let present = statistics.present(slices.window());
+        let present = statistics.present(slices.busy());
         let cubics = statistics.cubics_in(slices.length());
         let slices = slices.count();
         let cached = (Self::CACHED_BOXES / present) as usize;

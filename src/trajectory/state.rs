@@ -5,6 +5,7 @@ use glam::DVec3;
 /// Time, position and velocity of a body at one instant (s, m, m/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct State {
     /// Time, s, on any clock that all bodies of a scene share. -0 is taken as 0.
     pub time: f64,

@@ -49,7 +49,15 @@ impl Trajectory {
     /// four times breaks the curve; [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a
     /// control point, the first one of those that it depends on).
     #[doc(alias("NURBS", "de Boor", "control points"))]
-    pub fn from_b_spline(knots: &[f64], control_points: &[DVec3]) -> Result<Self, Error> {
+    pub fn from_b_spline<P: Copy + Into<DVec3>>(
+        knots: &[f64],
+        control_points: &[P],
+    ) -> Result<Self, Error> {
+        let control_points: Vec<_> = control_points.iter().map(|&point| point.into()).collect();
+        Self::of_b_spline(knots, &control_points)
+    }
+
+    fn of_b_spline(knots: &[f64], control_points: &[DVec3]) -> Result<Self, Error> {
         let count = check_control_points(control_points, 0)?;
         if knots.len() != count + 4 {
             return Err(Error::KnotCount {
@@ -97,9 +105,17 @@ impl Trajectory {
     /// `start`; [`Error::NotFinite`] and [`Error::OutOfRange`] with the value and the knot (of a control point, the
     /// first one of those of its segments).
     #[doc(alias("de Boor", "control points"))]
-    pub fn from_uniform_b_spline(
+    pub fn from_uniform_b_spline<P: Copy + Into<DVec3>>(
         start: f64,
         interval: f64,
+        control_points: &[P],
+    ) -> Result<Self, Error> {
+        let control_points: Vec<_> = control_points.iter().map(|&point| point.into()).collect();
+        Self::of_uniform_b_spline((start, interval), &control_points)
+    }
+
+    fn of_uniform_b_spline(
+        (start, interval): (f64, f64),
         control_points: &[DVec3],
     ) -> Result<Self, Error> {
         let count = check_control_points(control_points, 3)?;

@@ -22,7 +22,7 @@ impl Trajectory {
     /// use nearmiss::Trajectory;
     ///
     /// let curve = [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0], [4.0, 4.0, 0.0], [4.0, 0.0, 0.0]];
-    /// let plan = Trajectory::from_bezier(&[10.0, 12.0], &[curve.map(Into::into)])?;
+    /// let plan = Trajectory::from_bezier(&[10.0, 12.0], &[curve])?;
     /// let middle = plan.position(11.0).map(|position| position.to_array());
     /// assert_eq!(middle, Some([2.0, 3.0, 0.0]));
     /// # Ok::<(), nearmiss::Error>(())
@@ -34,7 +34,15 @@ impl Trajectory {
     /// [`Error::TooFewStates`]; [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and [`Error::OutOfRange`] with the
     /// value and the knot (of a control point, the one at which its piece begins).
     #[doc(alias("Bézier", "control points"))]
-    pub fn from_bezier(knots: &[f64], pieces: &[[DVec3; 4]]) -> Result<Self, Error> {
+    pub fn from_bezier<P: Copy + Into<DVec3>>(
+        knots: &[f64],
+        pieces: &[[P; 4]],
+    ) -> Result<Self, Error> {
+        let pieces: Vec<_> = pieces.iter().map(|piece| piece.map(Into::into)).collect();
+        Self::of_bezier(knots, &pieces)
+    }
+
+    fn of_bezier(knots: &[f64], pieces: &[[DVec3; 4]]) -> Result<Self, Error> {
         let knots = checked_knots(knots, pieces.len())?;
         for (knot, piece) in pieces.iter().enumerate() {
             for (point, position) in piece.iter().enumerate() {

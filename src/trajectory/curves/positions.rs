@@ -1,6 +1,6 @@
 //! Positions only: velocities by a rule.
 
-use super::waypoints::check_positions;
+use super::waypoints::{check_positions, positions_of};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::trajectory::build::check_vector;
 use crate::trajectory::{State, Trajectory};
@@ -96,7 +96,7 @@ impl Trajectory {
     ///
     /// As [`from_states`](Self::from_states).
     #[doc(alias("Catmull-Rom", "interpolate"))]
-    pub fn from_positions(positions: &[(f64, DVec3)]) -> Result<Self, Error> {
+    pub fn from_positions<P: Copy + Into<DVec3>>(positions: &[(f64, P)]) -> Result<Self, Error> {
         Self::from_positions_with(positions, &PositionOptions::new())
     }
 
@@ -123,10 +123,14 @@ impl Trajectory {
     /// # Errors
     ///
     /// As [`from_states`](Self::from_states).
-    pub fn from_positions_with(
-        positions: &[(f64, DVec3)],
+    pub fn from_positions_with<P: Copy + Into<DVec3>>(
+        positions: &[(f64, P)],
         options: &PositionOptions,
     ) -> Result<Self, Error> {
+        Self::of_positions(&positions_of(positions), options)
+    }
+
+    fn of_positions(positions: &[(f64, DVec3)], options: &PositionOptions) -> Result<Self, Error> {
         let count = positions.len();
         if count < 2 {
             return Err(Error::TooFewStates { count });

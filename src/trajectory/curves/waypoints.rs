@@ -7,7 +7,8 @@ use crate::trajectory::{Outside, Segment, State, Trajectory};
 use glam::DVec3;
 
 impl Trajectory {
-    /// Builds straight legs of constant velocity between waypoints, `(time, position)` (s, m).
+    /// Builds straight legs of constant velocity between waypoints, `(time, position)` (s, m). Positions can be vectors of
+    /// f64 or f32, arrays or tuples.
     ///
     /// The velocity jumps at the waypoints. To stop at one, name its position twice, with the times of arrival and
     /// departure. Beyond the first and last waypoint, if [`Outside`](crate::Outside) says so, the body keeps the
@@ -35,7 +36,11 @@ impl Trajectory {
     /// [`Error::TooFewStates`] below two waypoints; [`Error::TimeNotIncreasing`], [`Error::NotFinite`] and
     /// [`Error::OutOfRange`], each with the waypoint (as `knot`) and the value.
     #[doc(alias("polyline", "piecewise linear", "route", "mission", "path"))]
-    pub fn from_waypoints(waypoints: &[(f64, DVec3)]) -> Result<Self, Error> {
+    pub fn from_waypoints<P: Copy + Into<DVec3>>(waypoints: &[(f64, P)]) -> Result<Self, Error> {
+        Self::of_waypoints(&positions_of(waypoints))
+    }
+
+    fn of_waypoints(waypoints: &[(f64, DVec3)]) -> Result<Self, Error> {
         let count = waypoints.len();
         if count < 2 {
             return Err(Error::TooFewStates { count });
@@ -62,6 +67,14 @@ impl Trajectory {
         ];
         Ok(Self::of_cubics(&knots, &legs, &ends, [Outside::Absent; 2]))
     }
+}
+
+/// Returns times and positions with the positions as vectors.
+pub(super) fn positions_of<P: Copy + Into<DVec3>>(given: &[(f64, P)]) -> Vec<(f64, DVec3)> {
+    let positions = given.iter();
+    positions
+        .map(|&(time, position)| (time, position.into()))
+        .collect()
 }
 
 /// Checks that times increase, and that positions can be used.
