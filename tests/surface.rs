@@ -11,7 +11,7 @@ mod support;
 use nearmiss::glam::{DVec3, Vec3};
 use nearmiss::{
     Accuracy, AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, Monitor, Outside,
-    Query, RevisionThreshold, Scene, State, Stats, Trajectory, Window,
+    Query, RevisionThreshold, Scene, Sphere, State, Stats, Trajectory, Window,
 };
 use std::error::Error as _;
 
@@ -247,26 +247,6 @@ fn sources_of_errors() {
             .source()
             .is_some_and(|source| source.source().is_none())
     );
-}
-
-/// An empty list would look like a free way.
-#[test]
-fn before_the_first_tick_nothing_is_known() -> Result<(), Error> {
-    let scene = passing()?;
-    let id = scene.bodies().map(|(id, _)| id).next().unwrap();
-    let mut monitor = Monitor::new(scene, 0.0, 20.0, &[AlertLevel::at(5.0)])?;
-    let is_unknown = |found: Result<usize, Error>| matches!(found, Err(Error::NothingKnown { now, .. }) if now == 0.0);
-    assert!(is_unknown(monitor.conflicts(0).map(<[_]>::len)));
-    assert!(is_unknown(monitor.conflicts_of(id, 0).map(Iterator::count)));
-    let next = monitor.next_conflict(id, 0);
-    assert!(is_unknown(next.map(|next| usize::from(next.is_some()))));
-    monitor.advance(0.0, &mut Vec::new())?;
-    let found = (
-        monitor.conflicts(0)?.len(),
-        monitor.conflicts_of(id, 0)?.count(),
-    );
-    assert_eq!(found, (1, 1));
-    Ok(())
 }
 
 #[test]

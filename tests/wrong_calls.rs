@@ -67,7 +67,7 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_positions_with(&[(0.0, DVec3::ZERO), (1.0, DVec3::X)],
                                              &PositionOptions::new().with_first_velocity(DVec3::NAN))?),
      "knot 0: velocity x is NaN, not a finite number"),
-    (|| done(Trajectory::from_bezier(&[0.0, 1.0], &[])?), "2 knots need 1 segments, not 0"),
+    (|| done(Trajectory::from_bezier(&[0.0, 1.0], &[[DVec3::ZERO; 4]; 0])?), "2 knots need 1 segments, not 0"),
     (|| done(Trajectory::from_bezier(&[0.0, -1.0], &[[DVec3::ZERO; 4]])?),
      "knot 1: time -1.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"),
     (|| done(Trajectory::from_b_spline(&[0.0, 1.0, 2.0], &[DVec3::ZERO; 4])?),

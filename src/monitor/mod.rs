@@ -365,41 +365,26 @@ impl Monitor {
     }
 
     /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b): with bodies that were removed since. A conflict under way comes first: its
+    /// last tick, sorted by (enter, a, b): with bodies that were removed since. The list is empty while nothing after now is
+    /// known, as before the first tick: that is no free way. A conflict under way comes first: its
     /// enter is the clock, and it is clipped there. [`encounters`](Self::encounters) has when it began.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownAlertLevel`]; [`Error::NothingKnown`] before the first tick, and while a budget leaves the
-    /// monitor behind its clock: an empty list would look like a free way.
+    /// [`Error::UnknownAlertLevel`].
     pub fn conflicts(&self, level: usize) -> Result<&[Conflict], Error> {
         let conflicts = self.conflicts.get(level).map(Vec::as_slice);
-        let conflicts = conflicts.ok_or(Error::UnknownAlertLevel { level })?;
-        self.known_window().map(|_| conflicts)
-    }
-
-    /// Returns the window of which the last tick has found everything, s.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NothingKnown`] if it is empty.
-    fn known_window(&self) -> Result<(f64, f64), Error> {
-        if self.known <= self.now {
-            return Err(Error::NothingKnown {
-                now: self.now,
-                complete_until: self.known,
-            });
-        }
-        Ok((self.now, self.known))
+        conflicts.ok_or(Error::UnknownAlertLevel { level })
     }
 
     /// Returns the conflicts of one body at a level, soonest first, as of the last tick: a body that was inserted since
-    /// has none yet. The call goes through all conflicts of the level; for many bodies, make a
+    /// has none yet. None are found before the first tick, and while a budget leaves the monitor behind its clock. The
+    /// call goes through all conflicts of the level; for many bodies, make a
     /// [`ConflictIndex`](crate::ConflictIndex).
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; as [`conflicts`](Self::conflicts).
+    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
     pub fn conflicts_of(
         &self,
         id: BodyId,
@@ -411,11 +396,12 @@ impl Monitor {
     }
 
     /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick. `None`
-    /// says that there is none up to [`complete_until`](Self::complete_until).
+    /// says that there is none up to [`complete_until`](Self::complete_until): nothing is known before the first
+    /// tick, and while a budget leaves the monitor behind its clock.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; as [`conflicts`](Self::conflicts).
+    /// [`Error::UnknownBody`], [`Error::UnknownAlertLevel`].
     pub fn next_conflict(&self, id: BodyId, level: usize) -> Result<Option<&Conflict>, Error> {
         Ok(self.conflicts_of(id, level)?.next())
     }

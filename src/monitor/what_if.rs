@@ -109,7 +109,14 @@ impl Monitor {
     ) -> Result<Vec<Conflict>, Error> {
         let monitored = self.change_context()?.monitored_body(plan, shape, tag)?;
         let own = monitored.view(plan, shape);
-        let window = self.known_window()?;
+        let window = (self.now, self.known);
+        // An empty answer would look like a free way.
+        if window.1 <= window.0 {
+            return Err(Error::NothingKnown {
+                now: self.now,
+                complete_until: self.complete_until(),
+            });
+        }
         let mut conflicts = Vec::new();
         self.search.contacts_with(
             &self.scene,

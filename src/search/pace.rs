@@ -54,8 +54,9 @@ impl Pace {
         }
         points.push((passed, end));
         let busy = passed * passed / squared;
-        // Also where nothing exists for a time.
-        if !(busy * DENSE < duration) {
+        // No number where none of them exists for a time.
+        let is_uneven = busy * DENSE < duration;
+        if !is_uneven {
             return Self::EVEN;
         }
         for (share, _) in &mut points {

@@ -14,24 +14,21 @@ use super::Monitor;
 use std::io::{self, Write};
 
 impl Monitor {
-    /// Writes down everything from now on, in the format that [`Replay`] reads. (Feature `recording`.)
+    /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
+    /// is given up: [stop](Self::stop_recording) it first, or its replay ends with an error. (Feature `recording`.)
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
     /// monitor's requests after they were coalesced), and for each tick how far it came.
     ///
     /// # Errors
     ///
-    /// [`AlreadyExists`](io::ErrorKind::AlreadyExists) if a recording is under way: [stop](Self::stop_recording) it
-    /// first. The error of writing the beginning. Later errors are returned by
+    /// The error of writing the beginning. Later errors are returned by
     /// [`stop_recording`](Self::stop_recording), and do not disturb the monitor.
     ///
     /// A writer that panics, in `write`, in `flush` or when it is dropped, is one that fails: no call of the
     /// monitor panics for it. The writer is dropped at once.
     pub fn start_recording(&mut self, target: impl Write + Send + 'static) -> io::Result<()> {
-        if self.recorder.is_some() {
-            let what = "a recording is under way: stop it first";
-            return Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
-        }
+        self.recorder = None;
         let mut recorder = RecordWriter::start(Box::new(target))?;
         recorder.write(&Record::Begin(Box::new(self.snapshot())));
         recorder.flush()?;

@@ -12,12 +12,13 @@ mod support;
 use glam::{DQuat, DVec3};
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyPlan, BodyState, Budget, CertifiedApproach, Conflict, Hitbox,
-    Monitor, Orientation, Outside, Query, RevisionThreshold, Scene, Screening, State, Trajectory,
-    Window,
+    Accuracy, AlertLevel, Body, BodyId, BodyPlan, BodyState, Budget, CertifiedApproach, Conflict,
+    Hitbox, Monitor, Orientation, Outside, Query, RevisionThreshold, Scene, Screening, State,
+    Trajectory, Window,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
 use support::{rng, wander};
 
 /// Infinite settings, in text and in other formats.
@@ -370,4 +371,17 @@ fn orientations_in_files_have_no_negative_zero() {
     let turned: Orientation = serde_json::from_str(text).unwrap();
     let text = serde_json::to_string(&turned).unwrap();
     assert!(!text.contains("-0.0"), "{text}");
+}
+
+/// Ids are numbers, so that maps by body can be written as text.
+#[test]
+fn ids_are_keys_of_maps() {
+    let ids = [0, 7, 1 << 32 | 7, u64::MAX].map(BodyId::from_bits);
+    let names: BTreeMap<BodyId, u64> = ids.into_iter().zip(1..).collect();
+    let text = serde_json::to_string(&names).unwrap();
+    assert_eq!(
+        serde_json::from_str::<BTreeMap<BodyId, u64>>(&text).unwrap(),
+        names
+    );
+    assert_eq!(serde_json::to_string(&ids[2]).unwrap(), "4294967303");
 }
