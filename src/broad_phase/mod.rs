@@ -83,6 +83,11 @@ pub trait PairFilter: Sync {
     /// Returns true if the pair of bodies `a < b` is wanted; the same answer each time.
     fn admits(&self, a: u32, b: u32) -> bool;
 
+    /// Returns true if every pair is wanted: then none need be asked about.
+    fn admits_all(&self) -> bool {
+        false
+    }
+
     /// Returns which groups of bodies may form pairs. Bodies of other groups are admitted in no pair: they need not be
     /// compared.
     #[inline]
@@ -108,8 +113,11 @@ pub trait PairFilter: Sync {
 pub struct Everyone;
 
 impl PairFilter for Everyone {
-    #[inline]
     fn admits(&self, _: u32, _: u32) -> bool {
+        true
+    }
+
+    fn admits_all(&self) -> bool {
         true
     }
 }

@@ -30,6 +30,10 @@ impl PairFilter for SlotAdmission<'_> {
         self.pairs.admits(a, b)
     }
 
+    fn admits_all(&self) -> bool {
+        self.pairs.admits_all()
+    }
+
     fn groups(&self) -> Groups {
         self.pairs.groups()
     }

@@ -36,6 +36,10 @@ impl<'s> PairAdmission<'s> {
         self.admits_all || self.scene.admits(a, b, self.margin)
     }
 
+    pub(crate) const fn admits_all(&self) -> bool {
+        self.admits_all
+    }
+
     pub(crate) const fn groups(&self) -> Groups {
         self.groups.groups
     }

@@ -321,6 +321,10 @@ impl PairFilter for PlaceAdmission<'_> {
         self.pairs.admits(a, b)
     }
 
+    fn admits_all(&self) -> bool {
+        self.pairs.admits_all()
+    }
+
     fn groups(&self) -> Groups {
         self.pairs.groups()
     }

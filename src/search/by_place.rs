@@ -4,8 +4,20 @@ use crate::broad_phase::{Groups, PairFilter};
 
 /// A filter of bodies, asked about their places in a list.
 pub(super) struct ByPlace<'a> {
-    pub(super) bodies: &'a [u32],
-    pub(super) filter: &'a dyn PairFilter,
+    bodies: &'a [u32],
+    filter: &'a dyn PairFilter,
+    /// The answer of the filter, which is not asked for each pair then.
+    admits_all: bool,
+}
+
+impl<'a> ByPlace<'a> {
+    pub(super) fn new(bodies: &'a [u32], filter: &'a dyn PairFilter) -> Self {
+        Self {
+            bodies,
+            filter,
+            admits_all: filter.admits_all(),
+        }
+    }
 }
 
 impl PairFilter for ByPlace<'_> {
@@ -13,7 +25,7 @@ impl PairFilter for ByPlace<'_> {
     fn admits(&self, a: u32, b: u32) -> bool {
         // A body that teleports has two places, the second one behind all others.
         let (a, b) = (self.bodies[a as usize], self.bodies[b as usize]);
-        a != b && self.filter.admits(a.min(b), a.max(b))
+        a != b && (self.admits_all || self.filter.admits(a.min(b), a.max(b)))
     }
 
     #[inline]

@@ -264,10 +264,7 @@ impl SliceTrials<'_> {
         let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
         // Pairs that are left out after their boxes have met cost nearly as much as candidates.
         let filter = &ByGroups {
-            filter: ByPlace {
-                bodies: &places,
-                filter,
-            },
+            filter: ByPlace::new(&places, filter),
             groups: filter.groups(),
         };
         let attempt = |slices: TimeSlices<'s>| {

@@ -334,10 +334,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         filter: &dyn PairFilter,
         candidates: &mut Vec<Candidate>,
     ) -> bool {
-        let by_place = ByPlace {
-            bodies: &slice.bodies,
-            filter,
-        };
+        let by_place = ByPlace::new(&slice.bodies, filter);
         let first = candidates.len();
         let room = CandidateLimit::new(&by_place, room);
         let method = (self.method, self.instructions);
