@@ -4,6 +4,7 @@ use super::Scene;
 use super::layer_groups::LayerGroups;
 use super::partners::{Partners, can_reach, radius};
 use crate::broad_phase::Groups;
+use crate::count::short;
 
 /// The pairs of slots whose bodies may be pairs within a margin.
 #[derive(Debug)]
@@ -14,6 +15,8 @@ pub(crate) struct PairAdmission<'s> {
     /// True if any two bodies may be a pair.
     admits_all: bool,
     groups: LayerGroups,
+    /// Radii by slot, m, if they are [listed](Self::with_radii).
+    radii: Vec<f64>,
 }
 
 impl<'s> PairAdmission<'s> {
@@ -28,12 +31,32 @@ impl<'s> PairAdmission<'s> {
             } else {
                 scene.kinds.layer_groups()
             },
+            radii: Vec::new(),
         }
+    }
+
+    /// Lists the radii if the margin asks for them, for whoever asks about most bodies: one that is not cached takes as
+    /// long to fetch as many comparisons.
+    pub(crate) fn with_radii(mut self) -> Self {
+        if self.margin < 0.0 {
+            let slots = 0..short(self.scene.slots());
+            self.radii = slots.map(|slot| self.scene.radius(slot)).collect();
+        }
+        self
     }
 
     #[inline]
     pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
-        self.admits_all || self.scene.admits(a, b, self.margin)
+        self.admits_all || self.scene.admits(a, b) && (self.margin >= 0.0 || self.can_reach(a, b))
+    }
+
+    /// Returns true if the spheres of two bodies may be within the margin, which is negative.
+    fn can_reach(&self, a: u32, b: u32) -> bool {
+        let radius = |slot: u32| {
+            let listed = self.radii.get(slot as usize).copied();
+            listed.unwrap_or_else(|| self.scene.radius(slot))
+        };
+        can_reach(radius(a), radius(b), self.margin)
     }
 
     pub(crate) const fn admits_all(&self) -> bool {
@@ -64,25 +87,20 @@ impl Scene {
         margin >= 0.0 && self.ignored.is_empty() && self.kinds.admit_all()
     }
 
-    /// Returns true if the bodies of two slots may be a pair with a margin (m): by layers, ignored
-    /// pairs, and radii, which a negative margin may exceed.
-    fn admits(&self, a: u32, b: u32, margin: f64) -> bool {
+    /// Returns true if the bodies of two slots may be a pair by layers and ignored pairs.
+    fn admits(&self, a: u32, b: u32) -> bool {
         let [Some(key_a), Some(key_b)] = [a, b].map(|slot| self.taken(slot)) else {
             return false;
         };
         // Bodies are fetched only where it matters: one that is not cached takes as long as many comparisons.
         let [of_a, of_b] = [a, b].map(|slot| self.layers[slot as usize]);
         of_a.admits(of_b)
-            && (margin >= 0.0 || self.can_reach(a, b, margin))
             && (self.ignored.is_empty() || !self.ignored.contains(key_a.id(a), key_b.id(b)))
     }
 
-    /// Returns true if the spheres of two bodies may be within a margin (m), which is negative.
-    fn can_reach(&self, a: u32, b: u32, margin: f64) -> bool {
-        let radius = |slot| self.in_slot(slot).map(|(_, entry)| radius(&entry.body));
-        let (Some(one), Some(other)) = (radius(a), radius(b)) else {
-            return false;
-        };
-        can_reach(one, other, margin)
+    /// Returns the [radius](radius) of the body in a slot, m; 0 if there is none.
+    fn radius(&self, slot: u32) -> f64 {
+        let entry = self.in_slot(slot);
+        entry.map_or(0.0, |(_, entry)| radius(&entry.body))
     }
 }

@@ -137,7 +137,7 @@ impl Scene {
             }
         };
         let filter = PlaceAdmission {
-            pairs: PairAdmission::of(self, query.margin()),
+            pairs: PairAdmission::of(self, query.margin()).with_radii(),
             ids: &prepared.ids,
             is_cancelled: &is_cancelled,
         };
@@ -225,7 +225,7 @@ impl Scene {
         }
         let statistics = prepared.statistics();
         let filter = PlaceAdmission {
-            pairs: PairAdmission::of(self, query.margin()),
+            pairs: PairAdmission::of(self, query.margin()).with_radii(),
             ids: &prepared.ids,
             is_cancelled: &AtomicBool::new(false),
         };
