@@ -37,7 +37,7 @@ struct Arguments {
     /// Kind of scene.
     #[arg(long, value_enum, default_value_t = Kind::Satellites)]
     scene: Kind,
-    /// Number of bodies; if not given, 6,000 flocks, 20,000 drones, 10,000 satellites, 30,000 asteroids, or a swarm of 50,000.
+    /// Number of bodies; if not given 6,000 (flocks), 20,000 (drones), 10,000 (satellites), 30,000 (asteroids), 50,000 (swarm).
     #[arg(long, value_parser = terminal::bodies(), allow_negative_numbers = true)]
     bodies: Option<usize>,
     /// The same seed gives the same scene.

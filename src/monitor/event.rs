@@ -77,12 +77,6 @@ pub struct Encounter {
 }
 
 impl Encounter {
-    /// Returns true if one of the two bodies is this one.
-    #[must_use]
-    pub fn involves(&self, id: BodyId) -> bool {
-        self.a == id || self.b == id
-    }
-
     /// Returns the body that this one meets; `None` if the encounter is of two other bodies.
     #[must_use]
     pub fn other(&self, id: BodyId) -> Option<BodyId> {

@@ -392,7 +392,7 @@ impl Monitor {
     ) -> Result<impl Iterator<Item = &Conflict>, Error> {
         self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let all = self.conflicts(level)?.iter();
-        Ok(all.filter(move |conflict| conflict.involves(id)))
+        Ok(all.filter(move |conflict| conflict.other(id).is_some()))
     }
 
     /// Returns the soonest conflict of one body at a level, perhaps one that is under way; as of the last tick. `None`

@@ -53,7 +53,7 @@ impl Screening {
     pub fn conflicts_of(&self, id: BodyId) -> impl Iterator<Item = &Conflict> {
         self.conflicts
             .iter()
-            .filter(move |conflict| conflict.involves(id))
+            .filter(move |conflict| conflict.other(id).is_some())
     }
 }
 
@@ -225,7 +225,7 @@ impl Scene {
         }
         let statistics = prepared.statistics();
         let filter = PlaceAdmission {
-            pairs: PairAdmission::of(self, query.margin()).with_radii(),
+            pairs: PairAdmission::of(self, query.margin()),
             ids: &prepared.ids,
             is_cancelled: &AtomicBool::new(false),
         };
