@@ -27,7 +27,7 @@ const FRAMES: u32 = 30;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
     Nothing,
-    /// One of four layers, each of which admits all.
+    /// One of four layers, whose members do not meet each other.
     Layers,
     /// Eight spheres instead of one.
     Cluster,
@@ -56,7 +56,7 @@ fn body(rng: &mut ChaCha8Rng, number: usize, states: &[State], uses: Use) -> Res
         Use::Nothing => body.with_hitbox(ball),
         Use::Layers => body
             .with_hitbox(ball)
-            .with_layers(Layers::new(1 << (number % 4), u32::MAX)),
+            .with_layers(Layers::new(1 << (number % 4), !(1 << (number % 4)))),
         Use::Cluster => body.with_hitbox(cluster(rng)?),
         Use::Turning => {
             let hitbox = cluster(rng)?;

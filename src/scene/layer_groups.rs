@@ -15,6 +15,8 @@ pub(crate) struct LayerGroups {
 impl LayerGroups {
     /// Largest number of different layers that are put into groups.
     const MANY: usize = 64;
+    /// Largest number of excluded pairs for each body that are compared like others: in a crowd each may be a candidate.
+    const FEW: f64 = 4.0;
 
     /// All in one group: nothing is known of them.
     pub(crate) const ONE: Self = Self {
@@ -22,20 +24,21 @@ impl LayerGroups {
         groups: Groups::ONE,
     };
 
-    /// Returns the groups of different layers: one group if these are too many for [`Groups::MAX`].
-    pub(super) fn of(different: impl ExactSizeIterator<Item = Layers> + Clone) -> Self {
-        if different.len() > Self::MANY {
+    /// Returns the groups of different layers, each with the number of its bodies: one group if these are too many for
+    /// [`Groups::MAX`], or if groups would leave out few pairs.
+    pub(super) fn of(different: impl ExactSizeIterator<Item = (Layers, usize)> + Clone) -> Self {
+        if different.len() > Self::MANY || Self::leave_out_few(different.clone()) {
             return Self::ONE;
         }
         let admitted = |own: Layers| {
             let others = different.clone().enumerate();
-            others.fold(0_u64, |bits, (number, other)| {
+            others.fold(0_u64, |bits, (number, (other, _))| {
                 bits | u64::from(own.admits(other)) << number
             })
         };
         let mut representatives = ArrayVec::<(Layers, u64), { Groups::MAX }>::new();
         let mut layers = ArrayVec::new();
-        for own in different.clone() {
+        for (own, _) in different.clone() {
             let bits = admitted(own);
             let known = representatives.iter().position(|&(_, other)| other == bits);
             let group = known.unwrap_or(representatives.len());
@@ -61,6 +64,21 @@ impl LayerGroups {
         }
     }
 
+    /// Returns true if different layers exclude so few pairs of bodies that comparing these costs less than groups do.
+    fn leave_out_few(different: impl Iterator<Item = (Layers, usize)> + Clone) -> bool {
+        let mut kinds = different.map(|(layers, count)| (layers, count as f64));
+        let (mut bodies, mut excluded) = (0.0, 0.0);
+        while let Some((own, count)) = kinds.next() {
+            bodies += count;
+            if !own.admits(own) {
+                excluded += 0.5 * count * (count - 1.0);
+            }
+            let others = kinds.clone().filter(|(other, _)| !own.admits(*other));
+            excluded += count * others.map(|(_, count)| count).sum::<f64>();
+        }
+        excluded <= Self::FEW * bodies
+    }
+
     /// Returns the group of a body with these layers.
     #[inline]
     pub(crate) fn of_layers(&self, layers: Layers) -> u8 {
@@ -83,7 +101,7 @@ mod tests {
                 .into_iter()
                 .map(|(membership, filter)| Layers::new(membership, filter))
                 .collect();
-            let groups = LayerGroups::of(layers.iter().copied());
+            let groups = LayerGroups::of(layers.iter().map(|&layers| (layers, 100)));
             assert_eq!(groups.groups.count(), count);
             for (one, other) in layers
                 .iter()

@@ -60,29 +60,32 @@ impl Kinds {
         }
     }
 
-    /// Returns true if all bodies have the same layers, and these admit each other.
+    /// Returns the different layers, and the number of bodies that have them.
+    fn counts(&self) -> impl ExactSizeIterator<Item = (Layers, usize)> + Clone {
+        let kinds = self.layers.iter();
+        kinds.map(|(&(membership, filter), &(count, _))| (Layers::new(membership, filter), count))
+    }
+
+    /// Returns true if the layers of any two bodies admit each other; false if there are too many to tell.
     pub(super) fn admit_all(&self) -> bool {
-        let mut kinds = self.layers.keys();
-        let (Some(&(membership, filter)), None) = (kinds.next(), kinds.next()) else {
-            return false;
+        let kinds = self.counts();
+        let admits = |own: Layers, other: Layers, count: usize| {
+            own.admits(other) || own == other && count <= 1
         };
-        let layers = Layers::new(membership, filter);
-        layers.admits(layers)
+        let mut owns = kinds.clone();
+        kinds.len() <= Self::MANY
+            && owns.all(|(own, _)| kinds.clone().all(|(other, count)| admits(own, other, count)))
     }
 
     /// Returns the groups of the layers.
     pub(super) fn layer_groups(&self) -> LayerGroups {
-        let layers = self.layers.keys();
-        LayerGroups::of(layers.map(|&(membership, filter)| Layers::new(membership, filter)))
+        LayerGroups::of(self.counts())
     }
 
     /// Updates which layers have a partner; a single body is no partner of itself.
     fn find_partners(&mut self) {
         let are_many = self.layers.len() > Self::MANY;
-        let some = self.layers.iter().take(Self::MANY);
-        let known: Vec<(Layers, usize)> = some
-            .map(|(&(membership, filter), &(count, _))| (Layers::new(membership, filter), count))
-            .collect();
+        let known: Vec<(Layers, usize)> = self.counts().take(Self::MANY).collect();
         for (&(membership, filter), (_, has_partner)) in self.layers.iter_mut().take(Self::MANY + 1)
         {
             let own = Layers::new(membership, filter);

@@ -11,7 +11,7 @@
 mod cases;
 #[path = "oracle/check.rs"]
 mod check;
-#[path = "../../support/example.rs"]
+#[path = "../../programs/tests/support/example.rs"]
 mod example;
 mod oracle_support;
 

@@ -281,7 +281,7 @@ fn ships_are_predicted() {
 fn examples_are_built_of_their_sources() {
     for name in ["screen", "many_body", "game_loop", "physics"] {
         let written = |path: &Path| path.metadata().unwrap().modified().unwrap();
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
         let sources = written(&folder.join(name).join("main.rs"));
         let built = written(Path::new(example(name).get_program()));
         assert!(built >= sources, "{name} is older than its sources");

@@ -177,7 +177,7 @@ fn one_radius_a_body() {
 /// The sample that the documentation points to: names, radii, and a few conflicts of all kinds.
 #[test]
 fn the_sample() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sample.csv");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/sample.csv");
     let (found, said) = screened(&path, &["--margin", "5"]);
     assert_eq!(said, "");
     let rows: Vec<Vec<&str>> = found

@@ -5,9 +5,9 @@
     reason = "a scene that cannot be built fails the test"
 )]
 
-#[path = "../examples/game_loop/feed.rs"]
+#[path = "../../../examples/game_loop/feed.rs"]
 mod feed;
-#[path = "../examples/game_loop/labels.rs"]
+#[path = "../../../examples/game_loop/labels.rs"]
 mod labels;
 
 use feed::Feed;
