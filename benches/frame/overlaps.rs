@@ -38,7 +38,7 @@ impl Overlaps {
         Self {
             scale,
             positions: Vec::new(),
-            sensors: Sensors::new(f64::from(BALL), world.states().len()),
+            sensors: Sensors::new(world.states().iter().map(|_| f64::from(BALL))),
             world,
             counts: [0; 2],
         }

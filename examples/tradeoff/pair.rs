@@ -200,7 +200,7 @@ fn methods(pairs: &Rc<[ControlPoints<f64>]>) -> Vec<(String, Box<dyn Method>)> {
     let count = pairs.len();
     let polycool = single(pairs, |pair| peers::polycool(pair, TOLERANCE).1);
     let mut methods = vec![("polycool".to_owned(), polycool)];
-    for steps in [8, 16, 32, 64, 128, 256, 1024] {
+    for steps in [8, 16, 32, 64, 128, 256, 512, 1024] {
         let name = format!("sampling, {steps} steps");
         methods.push((name, single(pairs, move |pair| sampled(pair, steps))));
     }

@@ -1,6 +1,6 @@
 //! Scenes that are looked at: bodies in a cube, or those of a file.
 
-use crate::read::{self, FileBody};
+use crate::read;
 use crate::scenes::{Shape, swarm};
 use crate::{Failure, terminal};
 use nearmiss::{Body, Hitbox, Scene, State, Trajectory, Window};
@@ -9,7 +9,8 @@ use std::path::Path;
 /// Bodies with their scene, and the time in which they are looked at.
 pub(crate) struct World {
     pub(crate) scene: Scene,
-    pub(crate) radius: f64,
+    /// Of each body, m.
+    pub(crate) radii: Vec<f64>,
     pub(crate) margin: f64,
     pub(crate) window: Window,
 }
@@ -36,30 +37,44 @@ impl World {
             scene.insert(Body::new(plan).with_hitbox(Hitbox::sphere(RADIUS)?))?;
         }
         Ok(Self {
+            radii: vec![RADIUS; scene.len()],
             scene,
-            radius: RADIUS,
             margin: 0.0,
             window: Window::new(0.0, duration)?,
         })
     }
 
-    /// The bodies of a file of states, all with one radius (m): the one that is given, or that of the file.
+    /// The bodies of a file of states. Their radii (m) are those of the file, or all the one that is given.
     pub(crate) fn of_file(file: &Path, radius: Option<f64>, margin: f64) -> Result<Self, Failure> {
         let found = read::bodies(file)?;
         terminal::tell_unused(&found.unused);
-        let radius = common_radius(&found.bodies, radius, &terminal::name(file))?;
-        let reach = radius + 0.5 * margin;
-        if reach > MAX_RADIUS {
-            return Err(format!(
-                "--margin: a radius of {radius} m and half of {margin:e} m are above {MAX_RADIUS:e} m"
-            )
-            .into());
-        }
-        let mut scene = Scene::new();
+        let (mut scene, mut radii) = (Scene::new(), Vec::new());
         for body in found.bodies {
+            if radius.is_some() && body.radius.is_some() {
+                return Err(format!(
+                    "--radius: {} has a column radius; leave one of the two out",
+                    terminal::name(file)
+                )
+                .into());
+            }
+            let radius = body.radius.or(radius).unwrap_or(RADIUS);
+            if radius > MAX_RADIUS {
+                let name = terminal::name(file);
+                return Err(
+                    format!("{name}: column radius: {radius} is above {MAX_RADIUS:e} m").into(),
+                );
+            }
+            let reach = radius + 0.5 * margin;
+            if !(0.0..=MAX_RADIUS).contains(&reach) {
+                return Err(format!(
+                    "--margin: a radius of {radius} m and half of {margin:e} m are not within 0 and {MAX_RADIUS:e} m"
+                )
+                .into());
+            }
             let tag = body.tag;
             let hitbox = Hitbox::sphere(radius)?;
             scene.insert(Body::new(body.trajectory).with_hitbox(hitbox).with_tag(tag))?;
+            radii.push(radius);
         }
         let knots = scene.bodies().map(|(_, body)| body.trajectory.domain());
         let ends = knots.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), own| {
@@ -67,7 +82,7 @@ impl World {
         });
         Ok(Self {
             scene,
-            radius,
+            radii,
             margin,
             window: Window::new(ends.0, ends.1)?,
         })
@@ -79,26 +94,5 @@ impl World {
             .bodies()
             .map(|(_, body)| &body.trajectory)
             .collect()
-    }
-}
-
-/// Returns the radius that all bodies of a file of this name have (m). The steppers know one only.
-fn common_radius(bodies: &[FileBody], given: Option<f64>, name: &str) -> Result<f64, String> {
-    let mut radii: Vec<f64> = bodies.iter().filter_map(|body| body.radius).collect();
-    radii.sort_by(f64::total_cmp);
-    radii.dedup();
-    match (given, &radii[..]) {
-        (_, []) => Ok(given.unwrap_or(RADIUS)),
-        (Some(_), _) => Err(format!(
-            "--radius: {name} has a column radius; leave one of the two out"
-        )),
-        (None, &[radius]) if radius <= MAX_RADIUS => Ok(radius),
-        (None, &[radius]) => Err(format!(
-            "{name}: column radius: {radius} is above {MAX_RADIUS:e} m"
-        )),
-        (None, &[least, .., largest]) => Err(format!(
-            "{name}: column radius: bodies have radii from {least} to {largest} m, and the steppers know one \
-             only; leave the column out and give --radius"
-        )),
     }
 }

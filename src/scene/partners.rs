@@ -74,7 +74,11 @@ impl Kinds {
         };
         let mut owns = kinds.clone();
         kinds.len() <= Self::MANY
-            && owns.all(|(own, _)| kinds.clone().all(|(other, count)| admits(own, other, count)))
+            && owns.all(|(own, _)| {
+                kinds
+                    .clone()
+                    .all(|(other, count)| admits(own, other, count))
+            })
     }
 
     /// Returns the groups of the layers.

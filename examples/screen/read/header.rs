@@ -45,7 +45,7 @@ impl Header {
                 "row {line}: the file is empty; expected the header {expected}"
             ));
         }
-        let whole = || quoted(&found.iter().collect::<Vec<_>>().join(&b',')[..]);
+        let whole = || shown(&found.iter().collect::<Vec<_>>().join(&b',')[..]);
         let mut places = [0; 8];
         let mut missing = Vec::new();
         for (column, place) in COLUMNS.iter().zip(&mut places) {
@@ -61,6 +61,11 @@ impl Header {
                 ));
             }
             _ if has_lines(&found) => return Err(bare_return(line)),
+            _ if is_for_a_spreadsheet(&found) => {
+                return Err(format!(
+                    "row {line}: a line that begins with \"sep=\" is for spreadsheets; delete it"
+                ));
+            }
             [] => {}
             _ if found.get(0).unwrap_or_default().starts_with(b"PK\x03\x04") => {
                 return Err(format!(
@@ -119,7 +124,7 @@ impl Header {
         let place = place.min(self.found.len() - 1);
         match self.places.iter().position(|&known| known == place) {
             Some(index) => COLUMNS[index].to_owned(),
-            None => quoted(&self.found[place]),
+            None => shown(&self.found[place]),
         }
     }
 
@@ -168,6 +173,18 @@ pub(super) fn bare_return(line: u64) -> String {
     format!(
         "row {line}: lines end with a bare carriage return; save the file with the line ends LF or CRLF"
     )
+}
+
+/// Returns true if a line tells a spreadsheet the separator.
+fn is_for_a_spreadsheet(found: &ByteRecord) -> bool {
+    let start = found.get(0).unwrap_or_default().trim_ascii_start();
+    let start = start.get(..4).unwrap_or_default();
+    start.eq_ignore_ascii_case(b"sep=")
+}
+
+/// Returns a value for a message, without what is left of the end of its row.
+pub(super) fn shown(value: &[u8]) -> String {
+    quoted(value.strip_suffix(b"\r").unwrap_or(value))
 }
 
 fn is_utf_16(found: &ByteRecord) -> bool {

@@ -122,8 +122,11 @@ impl Table {
         if let Some(value) = self.header.radius(record) {
             let radius = finite(value).filter(|radius| (0.0..=MAX_MAGNITUDE).contains(radius));
             self.radii.push(radius.ok_or_else(|| {
-                let value = quoted(value);
-                format!("row {line}, column radius: {value} is not a number from 0 to 1e300; give metres")
+                let problem = decimal_comma(value).unwrap_or_else(|| {
+                    let value = header::shown(value);
+                    format!("{value} is not a number from 0 to 1e300; give metres")
+                });
+                format!("row {line}, column radius: {problem}")
             })?);
         }
         let [t, px, py, pz, vx, vy, vz] = numbers;
@@ -149,7 +152,7 @@ impl Table {
             }
             _ => "",
         };
-        let last = quoted(last);
+        let last = header::shown(last);
         format!(
             "row {line}, column {column}: the row has {found} values, not {expected} as the header; the last \
              is {last}{advice}"
@@ -284,29 +287,34 @@ fn begins_with<'a>(
 }
 
 fn not_a_number(value: &[u8], column: &str) -> String {
-    let pointed: Vec<u8> = value
-        .iter()
-        .map(|&byte| if byte == b',' { b'.' } else { byte })
-        .collect();
-    let shown = quoted(value);
+    let shown = header::shown(value);
     if value.contains(&b'\n') {
         return format!("{shown} spans rows: close its quotation mark");
     }
     if value.trim_ascii().is_empty() {
         return "the cell is empty".to_owned();
     }
-    match finite(&pointed) {
-        Some(_) => format!(
-            "{shown} has a decimal comma; write {}",
-            quoted(pointed.trim_ascii())
-        ),
-        None if column == "t" => {
-            format!(
-                "{shown} is not a finite number: write seconds, counted from an epoch near your data"
-            )
-        }
-        None => format!("{shown} is not a finite number"),
-    }
+    decimal_comma(value).unwrap_or_else(|| {
+        let advice = if column == "t" {
+            ": write seconds, counted from an epoch near your data"
+        } else {
+            ""
+        };
+        format!("{shown} is not a finite number{advice}")
+    })
+}
+
+/// Returns the complaint about a number with a decimal comma.
+fn decimal_comma(value: &[u8]) -> Option<String> {
+    let pointed = value.iter();
+    let pointed: Vec<u8> = pointed
+        .map(|&byte| if byte == b',' { b'.' } else { byte })
+        .collect();
+    let is_comma = value.contains(&b',') && finite(&pointed).is_some();
+    is_comma.then(|| {
+        let (shown, right) = (header::shown(value), quoted(pointed.trim_ascii()));
+        format!("{shown} has a decimal comma; write {right}")
+    })
 }
 
 fn finite(value: &[u8]) -> Option<f64> {

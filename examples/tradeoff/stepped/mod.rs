@@ -336,18 +336,18 @@ pub(crate) fn table(
     let mut complete: BTreeMap<&str, Option<u32>> = BTreeMap::new();
     let all = rates.len() * 4;
     for (number, &rate) in rates.iter().enumerate() {
-        let radius = world.radius + 0.5 * world.margin;
+        let radii = || -> Vec<f64> {
+            let own = world.radii.iter();
+            own.map(|radius| radius + 0.5 * world.margin).collect()
+        };
         let mut steppers: [(&str, Box<dyn Stepper>); 4] = [
-            ("overlap at instants", Box::new(Overlaps::new(radius))),
-            ("swept spheres", Box::new(SweptSpheres::new(radius))),
+            ("overlap at instants", Box::new(Overlaps::new(radii()))),
+            ("swept spheres", Box::new(SweptSpheres::new(radii()))),
             (
                 "parry cast_shapes_nonlinear",
-                Box::new(ShapeCasts::new(radius)),
+                Box::new(ShapeCasts::new(radii())),
             ),
-            (
-                "rapier sensors",
-                Box::new(Sensors::new(radius, world.scene.len())),
-            ),
+            ("rapier sensors", Box::new(Sensors::new(radii()))),
         ];
         for (which, (name, stepper)) in steppers.iter_mut().enumerate() {
             let (mut found, total, frames) = step(world, rate, stepper.as_mut());

@@ -19,14 +19,13 @@ pub(crate) struct Sensors {
 }
 
 impl Sensors {
-    /// Returns balls of this radius, m.
-    pub(crate) fn new(radius: f64, count: usize) -> Self {
-        #[allow(clippy::cast_possible_truncation, reason = "rapier computes in f32")]
-        let radius = radius as f32;
+    /// Returns balls of these radii, m.
+    pub(crate) fn new(radii: impl IntoIterator<Item = f64>) -> Self {
         let (mut bodies, mut colliders) = (RigidBodySet::new(), ColliderSet::new());
-        let handles = (0..count).map(|number| {
+        let handles = radii.into_iter().enumerate().map(|(number, radius)| {
             let handle = bodies.insert(RigidBodyBuilder::kinematic_position_based());
-            let sensor = ColliderBuilder::ball(radius)
+            #[allow(clippy::cast_possible_truncation, reason = "rapier computes in f32")]
+            let sensor = ColliderBuilder::ball(radius as f32)
                 .sensor(true)
                 .active_collision_types(ActiveCollisionTypes::all())
                 .user_data(number as u128);

@@ -47,14 +47,15 @@ impl SortAndSweep {
 
 /// Balls that overlap at the instants of the frames.
 pub(super) struct Overlaps {
-    radius: f64,
+    /// m.
+    radii: Vec<f64>,
     sweep: SortAndSweep,
 }
 
 impl Overlaps {
-    pub(super) fn new(radius: f64) -> Self {
+    pub(super) fn new(radii: Vec<f64>) -> Self {
         Self {
-            radius,
+            radii,
             sweep: SortAndSweep::default(),
         }
     }
@@ -62,10 +63,10 @@ impl Overlaps {
 
 impl Stepper for Overlaps {
     fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>) {
-        let (radius, now) = (self.radius, frame.now);
-        let around = |body: usize| (now[body] - radius, now[body] + radius);
+        let (radii, now) = (&self.radii, frame.now);
+        let around = |body: usize| (now[body] - radii[body], now[body] + radii[body]);
         self.sweep.each(around, now.len(), |a, b| {
-            let separation = now[a].distance(now[b]) - 2.0 * radius;
+            let separation = now[a].distance(now[b]) - (radii[a] + radii[b]);
             if separation <= 0.0 {
                 found.push(Contact {
                     a,
@@ -85,21 +86,22 @@ fn way(frame: &Frame<'_>, body: usize) -> (DVec3, DVec3) {
 }
 
 /// Returns the box that contains a ball all through a straight step.
-fn swept(frame: &Frame<'_>, radius: f64, body: usize) -> (DVec3, DVec3) {
-    let (from, to) = way(frame, body);
+fn swept(frame: &Frame<'_>, radii: &[f64], body: usize) -> (DVec3, DVec3) {
+    let ((from, to), radius) = (way(frame, body), radii[body]);
     (from.min(to) - radius, from.max(to) + radius)
 }
 
 /// Balls that touch on the straight ways between two frames.
 pub(super) struct SweptSpheres {
-    radius: f64,
+    /// m.
+    radii: Vec<f64>,
     sweep: SortAndSweep,
 }
 
 impl SweptSpheres {
-    pub(super) fn new(radius: f64) -> Self {
+    pub(super) fn new(radii: Vec<f64>) -> Self {
         Self {
-            radius,
+            radii,
             sweep: SortAndSweep::default(),
         }
     }
@@ -107,9 +109,9 @@ impl SweptSpheres {
 
 impl Stepper for SweptSpheres {
     fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>) {
-        let (radius, now) = (self.radius, frame.now);
+        let (radii, now) = (&self.radii, frame.now);
         self.sweep.each(
-            |body| swept(frame, radius, body),
+            |body| swept(frame, radii, body),
             now.len(),
             |a, b| {
                 let ((from_a, to_a), (from_b, to_b)) = (way(frame, a), way(frame, b));
@@ -122,12 +124,13 @@ impl Stepper for SweptSpheres {
                     0.0
                 };
                 let distance = (start + nearest * way).length();
-                if distance > 2.0 * radius {
+                let reach = radii[a] + radii[b];
+                if distance > reach {
                     return;
                 }
-                // The first root of |start + s way| = 2 radius, or the beginning of the step.
+                // The first root of |start + s way| = reach, or the beginning of the step.
                 let half = start.dot(way);
-                let rest = start.length_squared() - 4.0 * radius * radius;
+                let rest = start.length_squared() - reach * reach;
                 let root = (half * half - square * rest).max(0.0).sqrt();
                 let first = if rest <= 0.0 || square <= 0.0 {
                     0.0
@@ -139,7 +142,7 @@ impl Stepper for SweptSpheres {
                     a,
                     b,
                     time,
-                    separation: Some(distance - 2.0 * radius),
+                    separation: Some(distance - reach),
                 });
             },
         );
@@ -148,14 +151,15 @@ impl Stepper for SweptSpheres {
 
 /// parry's shape casts of balls on the straight ways between two frames.
 pub(super) struct ShapeCasts {
-    radius: f64,
+    /// m.
+    radii: Vec<f64>,
     sweep: SortAndSweep,
 }
 
 impl ShapeCasts {
-    pub(super) fn new(radius: f64) -> Self {
+    pub(super) fn new(radii: Vec<f64>) -> Self {
         Self {
-            radius,
+            radii,
             sweep: SortAndSweep::default(),
         }
     }
@@ -164,8 +168,8 @@ impl ShapeCasts {
 impl Stepper for ShapeCasts {
     #[allow(clippy::cast_possible_truncation, reason = "parry computes in f32")]
     fn look(&mut self, frame: &Frame<'_>, found: &mut Vec<Contact>) {
-        let radius = self.radius;
-        let ball = Ball::new(radius as f32);
+        let radii = &self.radii;
+        let ball = |body: usize| Ball::new(radii[body] as f32);
         let step = frame.step as f32;
         let rate = if frame.step > 0.0 {
             1.0 / frame.step
@@ -184,12 +188,13 @@ impl Stepper for ShapeCasts {
             )
         };
         self.sweep.each(
-            |body| swept(frame, radius, body),
+            |body| swept(frame, radii, body),
             frame.now.len(),
             |a, b| {
                 let origin = way(frame, b).0;
                 let (one, other) = (motion(a, origin), motion(b, origin));
-                let hit = cast_shapes_nonlinear(&one, &ball, &other, &ball, 0.0, step, true);
+                let (ball_a, ball_b) = (ball(a), ball(b));
+                let hit = cast_shapes_nonlinear(&one, &ball_a, &other, &ball_b, 0.0, step, true);
                 if let Ok(Some(hit)) = hit {
                     let time = frame.time - frame.step + f64::from(hit.time_of_impact);
                     found.push(Contact {

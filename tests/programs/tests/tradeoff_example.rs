@@ -80,12 +80,23 @@ fn radii() {
         found.len() > 2 && found.iter().all(|&found| found == 0),
         "{found:?}"
     );
-    for (file, options) in [(&two, &[][..]), (&none, &["--radius", "2"])] {
+    let different = [0.25, 2.5].map(|other| passing(10.0, Some([0.625, other])));
+    for (file, options, count) in [
+        (&two, &[][..], 1),
+        (&none, &["--radius", "2"], 1),
+        (&different[0], &[], 0),
+        (&different[1], &[], 1),
+        (&different[1], &["--margin", "-0.25"], 0),
+    ] {
         let found = encounters(&folder, file, options);
         assert!(
-            found.len() > 2 && found.iter().all(|&found| found == 1),
+            found.len() > 2 && found.iter().all(|&found| found == count),
             "{found:?}"
         );
+        // Frames see it as well: 60 a second.
+        let rows = written(&folder, "stepped");
+        assert!(column(&rows, "missed").iter().all(|&missed| missed == 0));
+        assert!(column(&rows, "false").iter().all(|&wrong| wrong == 0));
     }
 }
 
@@ -136,10 +147,9 @@ fn what_is_refused() {
         ),
         (
             Some([2.0, 0.5]),
-            &[],
+            &["--margin", "-2"],
             1,
-            "states.csv: column radius: bodies have radii from 0.5 to 2 m, and the steppers know one only; leave the \
-             column out and give --radius",
+            "--margin: a radius of 0.5 m and half of -2e0 m are not within 0 and 1e9 m",
         ),
         (
             large,
@@ -151,7 +161,7 @@ fn what_is_refused() {
             None,
             &["--margin", "2e9"],
             1,
-            "--margin: a radius of 0.5 m and half of 2e9 m are above 1e9 m",
+            "--margin: a radius of 0.5 m and half of 2e9 m are not within 0 and 1e9 m",
         ),
         (
             None,

@@ -93,6 +93,16 @@ const FILES: &[(&str, &str)] = &[
      "row 2, column radius: \"-1\" is not a number from 0 to 1e300; give metres"),
     ("radius,body,t,px,py,pz,vx,vy,vz\n1,a,0,0,0,0,0,0,0\n2,a,1,0,0,0,0,0,0\n",
      "row 3, column radius: 2 is not 1, the radius of body \"a\" in row 2; a body has one radius"),
+    ("body;t;px;py;pz;vx;vy;vz;radius\r\na;0;0;0;0;0;0;0;0,5\r\n",
+     "row 2, column radius: \"0,5\" has a decimal comma; write \"0.5\""),
+    ("body;t;px;py;pz;vx;vy;vz\r\na;0;0;0;0;0;0;0,5\r\n",
+     "row 2, column vz: \"0,5\" has a decimal comma; write \"0.5\""),
+    ("+0,0,0,0,0,0,0,fast\r\n", "row 2, column vz: \"fast\" is not a finite number"),
+    ("body,t,px,py,pz\r\n0,0,0,0,0\r\n",
+     "row 1, columns vx, vy, vz: missing; expected the columns body,t,px,py,pz,vx,vy,vz in any order, found \
+      \"body,t,px,py,pz\""),
+    ("sep=;\nbody;t;px;py;pz;vx;vy;vz\na;0;0;0;0;0;0;0\n",
+     "row 1: a line that begins with \"sep=\" is for spreadsheets; delete it"),
 ];
 
 /// Command lines that are refused: example, arguments, exit code, and what is said.
