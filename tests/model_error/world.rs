@@ -257,17 +257,18 @@ impl World {
         }
     }
 
-    /// The least separation (m) near the lowest of many samples of an interval, and at most
-    /// `least`.
-    pub(crate) fn refined(&self, (from, to): (f64, f64), least: f64) -> f64 {
-        let (mut low, mut high, mut least) = (from, to, least);
+    /// The instant (s) and the separation (m) at the lowest of many samples of an interval, and of ever more around it.
+    pub(crate) fn lowest(&self, (from, to): (f64, f64)) -> (f64, f64) {
+        let (mut low, mut high, mut lowest) = (from, to, (from, f64::INFINITY));
         for _ in 0..4 {
             let at = |k: u8| low + (high - low) * f64::from(k) / 24.0;
             let all = (0..=24).map(|k| (self.separation(at(k)), k));
             let (found, k) = all.min_by(|x, y| x.0.total_cmp(&y.0)).unwrap();
-            least = least.min(found);
+            if found < lowest.1 {
+                lowest = (at(k), found);
+            }
             (low, high) = (at(k.saturating_sub(1)), at((k + 1).min(24)));
         }
-        least
+        lowest
     }
 }
