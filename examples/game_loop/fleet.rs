@@ -127,7 +127,12 @@ impl Fleet {
         let mut scene = Scene::new();
         let (mut bodies, mut starts) = (Vec::with_capacity(count), Vec::new());
         for index in 0..count {
-            let start = planner.clear_start(&setting, 0.0, &starts);
+            let Some(start) = planner.clear_start(&setting, 0.0, &starts) else {
+                let problem = format!(
+                    "--bodies: there is no room for {count} that stay clear of each other; take fewer"
+                );
+                return Err(problem.into());
+            };
             if setting.clearance > 0.0 {
                 starts.push(start);
             }
@@ -149,18 +154,20 @@ impl Fleet {
         })
     }
 
-    /// Another body, from now on.
-    pub(crate) fn add(&mut self) -> Result<(), Failure> {
+    /// Another body, from now on; false if there is no room for one.
+    pub(crate) fn add(&mut self) -> Result<bool, Failure> {
         let now = self.monitor.now();
         let others: Vec<State> = self
             .bodies
             .iter()
             .filter_map(|&id| self.state(id))
             .collect();
-        let start = self.planner.clear_start(&self.setting, now, &others);
+        let Some(start) = self.planner.clear_start(&self.setting, now, &others) else {
+            return Ok(false);
+        };
         let body = self.planner.body(&self.setting, self.bodies.len(), start)?;
         self.bodies.push(self.monitor.insert(body)?);
-        Ok(())
+        Ok(true)
     }
 
     /// Returns the place of a body at the monitor's clock.
@@ -338,18 +345,14 @@ impl Planner {
             .with_tag(index as u64))
     }
 
-    /// A start that keeps clear of others for a while; where it is too crowded, any.
-    fn clear_start(&mut self, setting: &Setting, time: f64, others: &[State]) -> State {
-        let mut start = self.start(time);
-        for _ in 1..MAX_BIRTHS {
-            let is_high = setting.headroom.is_none() || lowest(&start) >= self.bottom;
-            let is_apart = |other| nearest(&start, other) >= setting.clearance;
-            if is_high && others.iter().all(is_apart) {
-                break;
-            }
-            start = self.start(time);
-        }
-        start
+    /// A start that keeps clear of others for a while; none where that is too hard to find.
+    fn clear_start(&mut self, setting: &Setting, time: f64, others: &[State]) -> Option<State> {
+        let bottom = self.bottom;
+        (0..MAX_BIRTHS).map(|_| self.start(time)).find(|start| {
+            let is_high = setting.headroom.is_none() || lowest(start) >= bottom;
+            let is_apart = |other| nearest(start, other) >= setting.clearance;
+            is_high && others.iter().all(is_apart)
+        })
     }
 
     fn start(&mut self, time: f64) -> State {

@@ -74,11 +74,14 @@ fn keep(values: &mut VecDeque<f64>, value: f64) {
 
 /// A screen on which the panels take their areas.
 pub(crate) fn areas() -> Areas {
-    let mut areas = Areas::new((screen_width(), screen_height() - 40.0));
+    let mut areas = Areas::new((screen_width(), screen_height() - FOOT));
     areas.take(LEFT);
     areas.take(right());
     areas
 }
+
+/// Height of the line of keys, pixels.
+const FOOT: f32 = 34.0;
 
 const LEFT: Area = Area {
     x: 12.0,
@@ -166,7 +169,9 @@ pub(crate) fn draw_panel(game: &Game, panel: &Panel, state: &str, lowest_level: 
     draw_events(game, panel);
     let keys = "space pause   S slow   A add 25   V avoidance   H hitboxes   F far level   R record   Q quit   \
                 drag, wheel, hover";
-    draw_text(keys, 20.0, screen_height() - 18.0, 18.0, DIM);
+    let foot = screen_height() - FOOT;
+    draw_rectangle(0.0, foot, screen_width(), FOOT, BACK);
+    draw_text(keys, 20.0, foot + 22.0, 18.0, DIM);
 }
 
 fn draw_events(game: &Game, panel: &Panel) {

@@ -4,7 +4,7 @@ use crate::captions::draw_captions;
 use crate::draw::{View, draw_world};
 use crate::fleet::Setting;
 use crate::game::Game;
-use crate::hover::draw_hovered;
+use crate::hover::hovered;
 use crate::panel::{Panel, areas, draw_panel};
 use crate::{Arguments, Avoid, Failure, terminal};
 use macroquad::conf::Conf as Settings;
@@ -77,7 +77,14 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
             match key {
                 KeyCode::Space => is_paused = !is_paused,
                 KeyCode::S => pace = if pace < 1.0 { 1.0 } else { 0.2 },
-                KeyCode::A => (0..MORE).try_for_each(|_| game.fleet.add())?,
+                KeyCode::A => {
+                    for _ in 0..MORE {
+                        if !game.fleet.add()? {
+                            panel.message = "no room for more bodies".to_owned();
+                            break;
+                        }
+                    }
+                }
                 KeyCode::V => game.avoids = !game.avoids,
                 KeyCode::H => view.shows_hitboxes = !view.shows_hitboxes,
                 KeyCode::F => view.lowest_level = 1 - view.lowest_level,
@@ -109,15 +116,25 @@ async fn play(arguments: Arguments) -> Result<(), Failure> {
             panel.note(&game, took, view.lowest_level);
         }
         let encounters = draw_world(&game, &view);
-        draw_captions(&game, &view, &encounters, panel.named(), areas());
+        // A saved picture has no mouse.
+        let hovered = arguments
+            .screenshot
+            .is_none()
+            .then(|| hovered(&game, &view));
+        let hovered = hovered.flatten();
+        let mut areas = areas();
+        if let Some(hovered) = &hovered {
+            areas.take(hovered.area);
+        }
+        draw_captions(&game, &view, &encounters, panel.named(), areas);
         let state = match (is_paused, pace < 1.0) {
             (true, _) => "paused",
             (false, true) => "slow",
             (false, false) => "",
         };
         draw_panel(&game, &panel, state, view.lowest_level);
-        if arguments.screenshot.is_none() {
-            draw_hovered(&game, &view);
+        if let Some(hovered) = hovered {
+            hovered.draw(&game);
         }
         if let Some(path) = &arguments.screenshot
             && game.fleet.monitor.now() >= arguments.seconds
