@@ -234,7 +234,7 @@ fn methods(pairs: &Rc<[ControlPoints<f64>]>) -> Vec<(String, Box<dyn Method>)> {
 /// Time and errors of all methods on all kinds of pairs.
 pub(crate) fn table(effort: &Effort, progress: &dyn Fn(f64)) -> Table {
     let count = effort.choose(4_096, 256);
-    let turns = effort.choose(9, 3);
+    let turns = effort.choose(5, 3);
     let mut table = Table::new(
         "pair",
         format!(

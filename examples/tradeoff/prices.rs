@@ -33,6 +33,8 @@ pub(crate) enum Use {
     Cluster,
     /// Eight spheres that turn once in 12 s.
     Turning,
+    /// The plan is within a decimetre of the world.
+    ModelError,
 }
 
 fn direction(rng: &mut ChaCha8Rng) -> DVec3 {
@@ -58,6 +60,7 @@ fn body(rng: &mut ChaCha8Rng, number: usize, states: &[State], uses: Use) -> Res
             .with_hitbox(ball)
             .with_layers(Layers::new(1 << (number % 4), !(1 << (number % 4)))),
         Use::Cluster => body.with_hitbox(cluster(rng)?),
+        Use::ModelError => body.with_hitbox(ball).with_model_error(0.1)?,
         Use::Turning => {
             let hitbox = cluster(rng)?;
             let spin = Orientation::spin(0.0, DQuat::IDENTITY, direction(rng) * (TAU / 12.0))?;
@@ -92,6 +95,7 @@ fn screenings(effort: &Effort, table: &mut Table, progress: &dyn Fn(f64)) -> Res
         ("+ layers", Use::Layers, &query),
         ("+ clusters of 8 spheres", Use::Cluster, &query),
         ("+ clusters that turn", Use::Turning, &query),
+        ("+ model errors", Use::ModelError, &query),
         ("+ certified", Use::Nothing, &certified),
     ];
     let scenes = runs.iter().map(|&(_, uses, _)| scene(count, uses, true));
