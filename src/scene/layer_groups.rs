@@ -91,6 +91,22 @@ impl LayerGroups {
 mod tests {
     use super::*;
 
+    /// At most four for each body.
+    #[test]
+    fn groups_that_leave_out_few_pairs_are_not_made() {
+        let (one, other) = (Layers::new(1, 2), Layers::new(2, 3));
+        for (count, groups) in [(1, 1), (33, 1), (34, 2), (100, 2)] {
+            let of_both = [(one, count), (other, 100)];
+            let found = LayerGroups::of(of_both.into_iter());
+            assert_eq!(found.groups.count(), groups, "{count}");
+        }
+        // One that meets nobody, and one that meets itself alone.
+        for alone in [Layers::NONE, Layers::new(4, 4)] {
+            let found = LayerGroups::of([(alone, 1), (other, 100)].into_iter());
+            assert_eq!(found.groups.count(), 1);
+        }
+    }
+
     /// Two layers are of groups that admit each other exactly if the layers do.
     #[test]
     fn groups_admit_each_other_as_their_layers_do() {

@@ -242,6 +242,23 @@ mod tests {
     }
 
     #[test]
+    fn layers_admit_all_if_any_two_bodies_do() {
+        for (layers, expected) in [
+            (&[(1, 3), (2, 3), (u32::MAX, u32::MAX)][..], true),
+            // A single body is no partner of itself.
+            (&[(1, 2), (2, 3), (2, 3)], true),
+            (&[(1, 2), (1, 2), (2, 3)], false),
+            (&[(1, 1), (2, 2)], false),
+        ] {
+            let mut kinds = Kinds::default();
+            for &(membership, filter) in layers {
+                kinds.add(&rest().with_layers(Layers::new(membership, filter)));
+            }
+            assert_eq!(kinds.admit_all(), expected, "{layers:?}");
+        }
+    }
+
+    #[test]
     fn bounds_of_radii_are_a_little_larger() {
         let mut radius = 1e-300;
         while radius < 1e300 {
