@@ -65,30 +65,6 @@ impl<T: Send> Divide for Chunks<'_, T> {
     }
 }
 
-/// Chunks of two lists, and a value for each.
-struct Shares<'a, T, U, V> {
-    lists: (Chunks<'a, T>, Chunks<'a, U>),
-    own: Chunks<'a, V>,
-}
-
-impl<T: Send, U: Send, V: Send> Divide for Shares<'_, T, U, V> {
-    fn count(&self) -> usize {
-        self.lists.0.count()
-    }
-
-    fn divide(self, middle: usize) -> (Self, Self) {
-        let (one, one_after) = self.lists.0.divide(middle);
-        let (other, other_after) = self.lists.1.divide(middle);
-        let (own, own_after) = self.own.divide(middle);
-        let after = Self {
-            lists: (one_after, other_after),
-            own: own_after,
-        };
-        let lists = (one, other);
-        (Self { lists, own }, after)
-    }
-}
-
 /// Returns true if this thread does all: it is in no pool, and its work would wait for the only thread of the global one.
 #[cfg(feature = "parallel")]
 fn is_alone() -> bool {
@@ -243,26 +219,10 @@ pub(crate) fn for_each_chunk<T: Send>(
     });
 }
 
-/// Calls `work(number, share, own)` for each share of `size` items of two lists of the same length, with a value
-/// of its own. Two shares at least; fewer stay on this thread.
-pub(crate) fn for_each_share<T: Send, U: Send, V: Send>(
-    (one, other): (&mut [T], &mut [U]),
-    own: &mut [V],
-    size: usize,
-    work: impl Fn(usize, (&mut [T], &mut [U]), &mut V) + Sync,
-) {
-    let is_shared = one.len() > size;
-    let lists = (Chunks { items: one, size }, Chunks { items: other, size });
-    let own = Chunks {
-        items: own,
-        size: 1,
-    };
-    run(Shares { lists, own }, is_shared, |first, shares| {
-        let (one, other) = (shares.lists.0.items, shares.lists.1.items);
-        let lists = one.chunks_mut(size).zip(other.chunks_mut(size));
-        for (number, (share, own)) in lists.zip(shares.own.items).enumerate() {
-            work(first + number, share, own);
-        }
+/// Calls `work(number, share)` for each share of work that was divided beforehand, shares numbered from 0.
+pub(crate) fn for_each<T: Send>(shares: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+    for_each_chunk(shares, 1, (1, 0), |number, share| {
+        work(number, &mut share[0])
     });
 }
 

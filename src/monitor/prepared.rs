@@ -56,22 +56,17 @@ impl<'m> PreparedBodies<'m> {
         let lifetimes = &mut bodies.memory.lifetimes;
         let (monitored, count) = (table.monitored, table.monitored.len());
         if parallel::threads() > 1 && count > 2 * SHARE {
-            let mut shares = vec![SceneStatistics::default(); count.div_ceil(SHARE)];
-            // One list alone is shared; the other one is empty.
-            let lists = (lifetimes.room(count), &mut vec![(); count][..]);
-            parallel::for_each_share(
-                lists,
-                &mut shares,
-                SHARE,
-                |share, (lives, _), statistics| {
-                    let slots = share * SHARE..share * SHARE + lives.len();
-                    for (life, (ends, cubics)) in lives.iter_mut().zip(monitored.present(slots)) {
-                        statistics.add(ends, window, (0.0, cubics));
-                        *life = ends;
-                    }
-                },
-            );
-            for share in shares {
+            let lists = lifetimes.room(count).chunks_mut(SHARE);
+            let shares = lists.map(|lives| (lives, SceneStatistics::default()));
+            let mut shares: Vec<_> = shares.collect();
+            parallel::for_each(&mut shares, |share, (lives, statistics)| {
+                let slots = share * SHARE..share * SHARE + lives.len();
+                for (life, (ends, cubics)) in lives.iter_mut().zip(monitored.present(slots)) {
+                    statistics.add(ends, window, (0.0, cubics));
+                    *life = ends;
+                }
+            });
+            for (_, share) in shares {
                 statistics.body_time += share.body_time;
                 statistics.segments += share.segments;
             }

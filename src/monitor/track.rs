@@ -340,9 +340,10 @@ impl Monitor {
         let slots = self.scene.slots_mut();
         let (by_slot, until) = self.search.monitored.by_slot_mut();
         let count = slots.len().min(by_slot.len());
-        let mut ends = vec![f64::INFINITY; count.div_ceil(SHARE)];
-        let lists = (&mut slots[..count], &mut by_slot[..count]);
-        parallel::for_each_share(lists, &mut ends, SHARE, |share, (slots, by_slot), end| {
+        let slots = slots[..count].chunks_mut(SHARE);
+        let lists = slots.zip(by_slot[..count].chunks_mut(SHARE));
+        let mut shares: Vec<_> = lists.map(|lists| (lists, f64::INFINITY)).collect();
+        parallel::for_each(&mut shares, |share, ((slots, by_slot), end)| {
             for (place, monitored) in by_slot.iter_mut().enumerate() {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
@@ -358,6 +359,7 @@ impl Monitor {
                 }
             }
         });
-        *until = ends.into_iter().fold(*until, f64::min);
+        let ends = shares.into_iter().map(|(_, end)| end);
+        *until = ends.fold(*until, f64::min);
     }
 }

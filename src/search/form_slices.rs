@@ -106,33 +106,30 @@ impl SlicesToForm<'_> {
         };
         slice.boxes.resize(present.len(), any);
         slice.fat_lines.resize(present.len(), FatLine::default());
-        let lists = (&mut slice.boxes[..], &mut slice.fat_lines[..]);
-        let mut formed = vec![0; present.len().div_ceil(Self::SHARE)];
-        parallel::for_each_share(
-            lists,
-            &mut formed,
-            Self::SHARE,
-            |share, (boxes, lines), formed| {
-                let first = share * Self::SHARE;
-                instructions.run(FormInPlace {
-                    instructions,
-                    frame,
-                    bodies,
-                    present: present[first..first + boxes.len()].iter().copied(),
-                    ends,
-                    put: |(number, _), _, (fat_line, aabb)| {
-                        let body = short(first + number);
-                        boxes[number] = BodyBox { aabb, body };
-                        lines[number] = fat_line;
-                        *formed += 1;
-                    },
-                });
-            },
-        );
+        let boxes = slice.boxes.chunks_mut(Self::SHARE);
+        let lists = boxes.zip(slice.fat_lines.chunks_mut(Self::SHARE));
+        let mut shares: Vec<_> = lists.map(|lists| (lists, 0)).collect();
+        parallel::for_each(&mut shares, |share, ((boxes, lines), formed)| {
+            let first = share * Self::SHARE;
+            instructions.run(FormInPlace {
+                instructions,
+                frame,
+                bodies,
+                present: present[first..first + boxes.len()].iter().copied(),
+                ends,
+                put: |(number, _), _, (fat_line, aabb)| {
+                    let body = short(first + number);
+                    boxes[number] = BodyBox { aabb, body };
+                    lines[number] = fat_line;
+                    *formed += 1;
+                },
+            });
+        });
+        let formed = shares.into_iter().map(|(_, formed)| formed);
         slice.bodies.clear();
         slice.second_places = 0;
         slice.bodies.extend_from_slice(present);
-        formed.iter().sum::<usize>() == present.len()
+        formed.sum::<usize>() == present.len()
     }
 }
 
