@@ -1,6 +1,6 @@
 //! Limits of the work of a tick.
 
-use super::admission::SlotAdmission;
+use crate::scene::PairAdmission;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use std::time::Duration;
@@ -30,9 +30,8 @@ pub enum Budget {
 }
 
 /// The work of a tick: the pairs that it looks at, its limit, and what was done.
-#[derive(Debug)]
 pub(super) struct TickWork<'s> {
-    pub(super) admission: SlotAdmission<'s>,
+    pub(super) admission: PairAdmission<'s>,
     pub(super) meter: BudgetMeter,
     pub(super) stats: Stats,
 }

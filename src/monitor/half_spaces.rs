@@ -5,7 +5,6 @@
 //! half-spaces change, all bodies are compared with these: first by the ends of their straight
 //! motions, or the box of their plan, then span by span.
 
-use super::admission::SlotAdmission;
 use super::bodies::BodyTable;
 use super::budget::TickWork;
 use super::due_times::DueTimes;
@@ -13,7 +12,7 @@ use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{earliest_exact, exact_interval};
-use crate::scene::HeightRange;
+use crate::scene::{HeightRange, PairAdmission};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, in_order, spans};
 use glam::DVec3;
@@ -171,7 +170,7 @@ struct PlaneSearch<'s> {
     since: f64,
     /// Instant up to which bodies are compared, s; or to the end of the last span that is listed.
     until: f64,
-    filter: &'s SlotAdmission<'s>,
+    filter: &'s PairAdmission<'s>,
     found: &'s mut Vec<SpanKey>,
     /// Largest length of the list.
     most: usize,

@@ -247,7 +247,7 @@ impl LookaheadSearch {
         (from, to): (f64, f64),
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
-        let scene = work.admission.pairs.scene;
+        let scene = work.admission.scene;
         self.spread_changes();
         self.half_spaces.note(&self.monitored, self.changed.slots());
         loop {
@@ -336,7 +336,7 @@ impl LookaheadSearch {
             next.foresee(due_ahead(share, step, changed), last);
         }
         self.last_end = to;
-        let bodies = self.bodies(work.admission.pairs.scene);
+        let bodies = self.bodies(work.admission.scene);
         let stale = self.slices.iter().filter(|slice| !slice.is_fresh(&bodies));
         let is_shared = work.meter.is_unlimited() && stale.count() > 1;
         let (stop, is_done) = if is_shared {
@@ -363,7 +363,7 @@ impl LookaheadSearch {
     /// up to date; and false if survivors are to be solved before the rest.
     fn refresh_together(&mut self, needed: usize, work: &mut TickWork<'_>) -> (Option<i64>, bool) {
         let (limits, most) = (self.limits(), self.max_spans);
-        let scene = work.admission.pairs.scene;
+        let scene = work.admission.scene;
         let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let slices = self.slices.make_contiguous();
         let begin = Instant::now();
@@ -412,7 +412,7 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> (Option<i64>, bool) {
         let limits = self.limits();
-        let scene = work.admission.pairs.scene;
+        let scene = work.admission.scene;
         let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let task = SliceTask {
             bodies: &bodies,

@@ -2,7 +2,6 @@
 //!
 //! Words that are used beyond one file are defined in [`internals`](crate::internals).
 
-mod admission;
 mod alert_level;
 mod bodies;
 mod boxes;

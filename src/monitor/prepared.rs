@@ -1,11 +1,11 @@
 //! All bodies of a monitor, for searches from nothing.
 
-use super::admission::SlotAdmission;
 use super::bodies::BodyTable;
 use crate::broad_phase::Method;
 use crate::count::short;
 use crate::parallel;
 use crate::pool::{Pool, Pooled};
+use crate::scene::PairAdmission;
 use crate::search::{
     LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
 };
@@ -88,7 +88,7 @@ impl<'m> PreparedBodies<'m> {
     pub(super) fn list_spans(
         &self,
         slicing: (&TimeSlices<'_>, &SceneStatistics),
-        filter: &SlotAdmission<'_>,
+        filter: &PairAdmission<'_>,
         threads: usize,
         found: (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
@@ -119,7 +119,7 @@ impl<'m> PreparedBodies<'m> {
         &self,
         (from, to): (f64, f64),
         length: f64,
-        filter: &SlotAdmission<'_>,
+        filter: &PairAdmission<'_>,
     ) -> (TimeSlices<'static>, SceneStatistics) {
         let statistics = self.statistics((from, to));
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));

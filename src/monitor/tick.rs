@@ -4,12 +4,12 @@
 //! leaves the clock where it was; what its search has found may stay.
 
 use super::Monitor;
-use super::admission::SlotAdmission;
 use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
 use super::encounters::TickContext;
 use super::event::{EndReason, Event, EventKind};
 use super::grid::can_show;
+use super::interrupt::Interrupt;
 use super::read::{LevelCaches, ReadContext};
 use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
@@ -17,7 +17,7 @@ use super::recording::Record;
 use crate::error::Error;
 use crate::parallel;
 use crate::rounding::without_negative_zero;
-use crate::scene::Scene;
+use crate::scene::{PairAdmission, Scene};
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
 use crate::wall_clock::Instant;
@@ -119,8 +119,10 @@ impl Monitor {
         self.choose_grid(now, meter.is_unlimited() && self.reported >= self.now)?;
         self.search.extend_beyond(&self.scene, end)?;
         let (margin, _) = self.search.margin_and_frame();
+        let interrupt = self.interrupt.as_deref();
+        let is_interrupted = || interrupt.is_some_and(Interrupt::is_requested);
         let mut work = TickWork {
-            admission: SlotAdmission::of(&self.scene, margin, self.interrupt.as_deref()),
+            admission: PairAdmission::of(&self.scene, margin, &is_interrupted),
             meter,
             stats: Stats {
                 bodies: self.scene.len() as u64,

@@ -1,12 +1,11 @@
 //! `what_if`: the conflicts that a hypothetical plan would cause.
 
 use super::Monitor;
-use super::admission::SlotAdmission;
 use crate::broad_phase::PairFilter;
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::scene::{Body, BodyPlanRef};
+use crate::scene::{Body, BodyPlanRef, PairAdmission};
 use crate::screen::conflict;
 use crate::shape::BodyShape;
 use crate::spans::in_order;
@@ -54,7 +53,7 @@ impl Monitor {
         checked.map_err(|error| error.with_id(id))?;
         let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
         let (margin, _) = self.search.margin_and_frame();
-        let filter = SlotAdmission::of(&self.scene, margin, None);
+        let filter = PairAdmission::of(&self.scene, margin, &|| false);
         let admits = |other: u32| filter.admits(id.slot.min(other), id.slot.max(other));
         let found = self.conflicts_on((id, body.tag), (plan, shape), alert.margin, &admits);
         found.map_err(|error| error.with_id(id))

@@ -3,11 +3,10 @@
 use super::Scene;
 use super::layer_groups::LayerGroups;
 use super::partners::{Partners, can_reach, radius};
-use crate::broad_phase::Groups;
+use crate::broad_phase::{Groups, PairFilter};
 use crate::count::short;
 
-/// The pairs of slots whose bodies may be pairs within a margin.
-#[derive(Debug)]
+/// The filter of pairs of slots: admits bodies that may be pairs within a margin.
 pub(crate) struct PairAdmission<'s> {
     pub(crate) scene: &'s Scene,
     /// m.
@@ -17,10 +16,16 @@ pub(crate) struct PairAdmission<'s> {
     groups: LayerGroups,
     /// Radii by slot, m, if they are [listed](Self::with_radii).
     radii: Vec<f64>,
+    gives_up: &'s (dyn Fn() -> bool + Sync),
 }
 
 impl<'s> PairAdmission<'s> {
-    pub(crate) fn of(scene: &'s Scene, margin: f64) -> Self {
+    /// Returns the filter of pairs within a margin (m), which gives up once `gives_up` returns true.
+    pub(crate) fn of(
+        scene: &'s Scene,
+        margin: f64,
+        gives_up: &'s (dyn Fn() -> bool + Sync),
+    ) -> Self {
         let admits_all = scene.admits_all(margin);
         Self {
             scene,
@@ -32,6 +37,7 @@ impl<'s> PairAdmission<'s> {
                 scene.kinds.layer_groups()
             },
             radii: Vec::new(),
+            gives_up,
         }
     }
 
@@ -45,11 +51,6 @@ impl<'s> PairAdmission<'s> {
         self
     }
 
-    #[inline]
-    pub(crate) fn admits(&self, a: u32, b: u32) -> bool {
-        self.admits_all || self.scene.admits(a, b) && (self.margin >= 0.0 || self.can_reach(a, b))
-    }
-
     /// Returns true if the spheres of two bodies may be within the margin, which is negative.
     fn can_reach(&self, a: u32, b: u32) -> bool {
         let radius = |slot: u32| {
@@ -58,21 +59,32 @@ impl<'s> PairAdmission<'s> {
         };
         can_reach(radius(a), radius(b), self.margin)
     }
+}
 
-    pub(crate) const fn admits_all(&self) -> bool {
+impl PairFilter for PairAdmission<'_> {
+    #[inline]
+    fn admits(&self, a: u32, b: u32) -> bool {
+        self.admits_all || self.scene.admits(a, b) && (self.margin >= 0.0 || self.can_reach(a, b))
+    }
+
+    fn admits_all(&self) -> bool {
         self.admits_all
     }
 
-    pub(crate) const fn groups(&self) -> Groups {
+    fn groups(&self) -> Groups {
         self.groups.groups
     }
 
     /// Returns the group of the body in a slot; the first one if there is no body.
-    pub(crate) fn group(&self, slot: u32) -> u8 {
+    fn group(&self, slot: u32) -> u8 {
         if self.admits_all || self.scene.taken(slot).is_none() {
             return 0;
         }
         self.groups.of_layers(self.scene.layers[slot as usize])
+    }
+
+    fn gives_up(&self) -> bool {
+        (self.gives_up)()
     }
 }
 

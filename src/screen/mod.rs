@@ -136,10 +136,10 @@ impl Scene {
                 is_cancelled.store(true, Ordering::Relaxed);
             }
         };
+        let gives_up = || is_cancelled.load(Ordering::Relaxed);
         let filter = PlaceAdmission {
-            pairs: PairAdmission::of(self, query.margin()).with_radii(),
+            pairs: PairAdmission::of(self, query.margin(), &gives_up).with_radii(),
             ids: &prepared.ids,
-            is_cancelled: &is_cancelled,
         };
         let mut screening = prepared.screen(query.method, &filter, &tell)?;
         screening.stats.bodies = self.len() as u64;
@@ -225,9 +225,8 @@ impl Scene {
         }
         let statistics = prepared.statistics();
         let filter = PlaceAdmission {
-            pairs: PairAdmission::of(self, query.margin()),
+            pairs: PairAdmission::of(self, query.margin(), &|| false),
             ids: &prepared.ids,
-            is_cancelled: &AtomicBool::new(false),
         };
         let slices = prepared.slices(&statistics, &filter, &|places| prepared.sources(places));
         Ok(slices.count())

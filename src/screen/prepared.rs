@@ -26,7 +26,6 @@ use crate::trajectory::Extension;
 use crate::window::Window;
 use std::num::NonZeroU32;
 use std::slice::from_ref;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Box sources of all bodies, by place.
 pub(super) type SourceList<'a> = Vec<CubicSource<'a, CompactCubic>>;
@@ -308,11 +307,10 @@ impl BoxedBodies for ListedBodies<'_> {
     }
 }
 
-/// The pairs that a scene admits, by place; none any more once the screening is cancelled.
+/// The filter of pairs of places, by that of their slots.
 pub(super) struct PlaceAdmission<'a> {
     pub(super) pairs: PairAdmission<'a>,
     pub(super) ids: &'a [BodyId],
-    pub(super) is_cancelled: &'a AtomicBool,
 }
 
 impl PairFilter for PlaceAdmission<'_> {
@@ -334,7 +332,7 @@ impl PairFilter for PlaceAdmission<'_> {
     }
 
     fn gives_up(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed)
+        self.pairs.gives_up()
     }
 }
 

@@ -32,7 +32,7 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
-        let scene = work.admission.pairs.scene;
+        let scene = work.admission.scene;
         let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
         let bodies = PreparedBodies::of(table, limits, &self.search_pool);
         let times = (from, to, self.grid.length);
@@ -65,12 +65,7 @@ impl LookaheadSearch {
         let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
         let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
-        let table = BodyTable::of(
-            admission.pairs.scene,
-            &self.monitored,
-            &self.grid,
-            self.margin,
-        );
+        let table = BodyTable::of(admission.scene, &self.monitored, &self.grid, self.margin);
         let begin = Instant::now();
         let pool = &self.search_pool;
         let (bodies, statistics) = PreparedBodies::in_window(table, limits, pool, window);

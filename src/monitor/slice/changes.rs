@@ -1,9 +1,9 @@
 //! Bodies that changed since a slice was compared.
 
+use super::state::LimitedAdmission;
 use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Groups, PairFilter};
-use crate::monitor::admission::LimitedAdmission;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::slot_set::SlotSet;
 

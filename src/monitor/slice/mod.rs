@@ -5,7 +5,6 @@ mod changes;
 mod refine;
 mod state;
 
-use super::admission::LimitedAdmission;
 use super::bodies::BodyTable;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
@@ -13,7 +12,7 @@ use crate::count::short;
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
-use state::BuildStage;
+use state::{BuildStage, LimitedAdmission};
 pub(super) use state::{LookaheadSlice, SliceScratch, SliceTask};
 use std::sync::OnceLock;
 

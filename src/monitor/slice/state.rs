@@ -1,12 +1,12 @@
 //! The state of a slice of the lookahead.
 
 use crate::bounds::FatLine;
-use crate::broad_phase::{BodyBox, Candidate, Sweep};
-use crate::monitor::admission::SlotAdmission;
+use crate::broad_phase::{BodyBox, Candidate, CandidateLimit, Sweep};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
 use crate::monitor::slot_set::SlotSet;
 use crate::pool::Pool;
+use crate::scene::PairAdmission;
 use crate::search::{CandidateRefiner, Limits, SearchScratch, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
@@ -65,11 +65,13 @@ pub(in crate::monitor) struct SliceScratch {
     pub(super) sweep: Sweep,
 }
 
+/// The filter of pairs of slots, with a limit of candidates.
+pub(super) type LimitedAdmission<'s> = CandidateLimit<'s, PairAdmission<'s>>;
+
 /// The bodies that a slice compares, and how.
-#[derive(Debug)]
 pub(in crate::monitor) struct SliceTask<'a> {
     pub(in crate::monitor) bodies: &'a BodyTable<'a>,
-    pub(in crate::monitor) filter: &'a SlotAdmission<'a>,
+    pub(in crate::monitor) filter: &'a PairAdmission<'a>,
     /// Boxes of changed bodies formed for several slices, and the slice's number among these; `None`:
     /// the slice forms its own.
     pub(in crate::monitor) moved: Option<(&'a ChangedBounds, usize)>,
