@@ -473,8 +473,9 @@ fn the_smallest_budget_gets_there() {
 }
 
 #[test]
-fn queues_hold_at_least_one() {
-    for (orders, reports) in [(0, 1), (1, 0)] {
+fn queues_hold_something_and_not_everything() {
+    let too_many = LiveOptions::MAX + 1;
+    for (orders, reports) in [(0, 1), (1, 0), (usize::MAX, 1), (1, too_many)] {
         let options = LiveOptions::default()
             .with_requests(orders)
             .with_reports(reports);

@@ -215,26 +215,6 @@ fn orders_that_were_taken_leave_nothing() {
     }
 }
 
-#[test]
-fn queues_hold_something_and_not_everything() {
-    let few = LiveOptions::default();
-    for options in [
-        LiveOptions { requests: 0, ..few },
-        LiveOptions { reports: 0, ..few },
-        LiveOptions {
-            requests: usize::MAX,
-            ..few
-        },
-        LiveOptions {
-            reports: LiveOptions::MAX + 1,
-            ..few
-        },
-    ] {
-        let error = monitor().0.spawn(options).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
-    }
-}
-
 /// A failure to catch up is reported, and again after each request.
 #[test]
 fn a_monitor_that_is_stuck_says_so() {
