@@ -96,7 +96,7 @@ impl<'m> BodyTable<'m> {
         self.monitored.view(self.scene, slot)
     }
 
-    /// Returns the body in a slot, and true if its plan alone does not tell its [heights](crate::scene::HeightRange) up
+    /// Returns the body in a slot, and true if its plan alone does not tell its [heights](crate::scene::PlaneHeights) up
     /// to an instant (s).
     #[inline]
     pub(super) fn entry(&self, slot: u32, until: f64) -> Option<(&'m SceneEntry, bool)> {

@@ -12,10 +12,9 @@ use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{earliest_exact, exact_interval};
-use crate::scene::{HeightRange, PairAdmission};
+use crate::scene::{PairAdmission, PlaneHeights};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, in_order, spans};
-use glam::DVec3;
 use std::cell::LazyCell;
 
 /// The comparison of half-spaces with all other bodies.
@@ -86,7 +85,10 @@ impl HalfSpaceSearch {
             (&mut self.all_planes, bodies.monitored.half_spaces()),
             (&mut self.changed_planes, &self.changed),
         ] {
-            let in_interval = |&slot: &u32| PlaneHeights::of(bodies, slot, (since, until));
+            let in_interval = |&slot: &u32| {
+                let entry = bodies.entry(slot, until)?;
+                PlaneHeights::of(slot, entry, (since, until))
+            };
             planes.clear();
             planes.extend(slots.iter().filter_map(in_interval));
         }
@@ -136,31 +138,6 @@ impl HalfSpaceSearch {
     }
 }
 
-/// A half-space, and its heights along its normal in the interval that is searched.
-#[derive(Debug)]
-struct PlaneHeights {
-    slot: u32,
-    normal: DVec3,
-    /// Model error, m.
-    model_error: f64,
-    /// None if they are not known at once.
-    heights: Option<HeightRange>,
-}
-
-impl PlaneHeights {
-    /// Returns the half-space in a slot with its heights between two instants (s).
-    fn of(bodies: &BodyTable<'_>, slot: u32, interval: (f64, f64)) -> Option<Self> {
-        let (entry, is_extended) = bodies.entry(slot, interval.1)?;
-        let normal = entry.body.hitbox.normal()?;
-        Some(Self {
-            slot,
-            normal,
-            model_error: entry.body.model_error(),
-            heights: HeightRange::of(entry, is_extended, interval, normal),
-        })
-    }
-}
-
 /// The comparison of bodies with half-spaces.
 struct PlaneSearch<'s> {
     bodies: &'s BodyTable<'s>,
@@ -186,31 +163,22 @@ impl PlaneSearch<'_> {
         since: f64,
     ) -> Result<f64, LimitExceeded> {
         let mut next = f64::INFINITY;
-        let Some((entry, is_extended)) = self.bodies.entry(slot, self.until) else {
+        let Some(entry) = self.bodies.entry(slot, self.until) else {
             return Ok(next);
         };
-        if entry.body.hitbox.is_half_space() {
+        if entry.0.body.hitbox.is_half_space() {
             return Ok(next);
         }
         let (bodies, interval) = (self.bodies, (since, self.until));
-        let reach = entry.body.shape().reach();
-        // Returns true if the body is certainly above a half-space as far as it is compared.
-        let is_clear = |plane: &PlaneHeights| {
-            plane.heights.as_ref().is_some_and(|ground| {
-                let heights = HeightRange::of(entry, is_extended, interval, plane.normal);
-                // The reach contains the model error of the body, not that of the half-space.
-                let reach = reach + plane.model_error;
-                heights.is_some_and(|heights| heights.is_above(ground, reach, bodies.margin))
-            })
-        };
         let body = LazyCell::new(|| bodies.view(slot));
         for plane in planes {
-            if since >= self.since && is_clear(plane) {
+            // As far as it is compared.
+            if since >= self.since && plane.is_below(entry, interval, bodies.margin) {
                 next = next.min(self.until);
                 continue;
             }
-            let ground = bodies.view(plane.slot);
-            let [(first, a), (second, b)] = in_order((slot, &*body), (plane.slot, &ground));
+            let ground = bodies.view(plane.body);
+            let [(first, a), (second, b)] = in_order((slot, &*body), (plane.body, &ground));
             if !self.filter.admits(first, second) {
                 continue;
             }

@@ -4,9 +4,55 @@ use super::SceneEntry;
 use crate::rounding::PLANE_CLEARANCE;
 use glam::DVec3;
 
+/// A half-space, with its heights along its normal between two instants.
+#[derive(Debug)]
+pub(crate) struct PlaneHeights {
+    /// The number by which the half-space is known: its place or its slot.
+    pub(crate) body: u32,
+    normal: DVec3,
+    /// Model error, m.
+    model_error: f64,
+    /// `None` if they are not known without its cubics.
+    heights: Option<HeightRange>,
+}
+
+impl PlaneHeights {
+    /// Returns the half-space of a body between two instants (s), if it is one. `is_extended` tells that its plan alone
+    /// does not tell where it is then.
+    pub(crate) fn of(
+        body: u32,
+        (entry, is_extended): (&SceneEntry, bool),
+        interval: (f64, f64),
+    ) -> Option<Self> {
+        let normal = entry.body.hitbox.normal()?;
+        Some(Self {
+            body,
+            normal,
+            model_error: entry.body.model_error(),
+            heights: HeightRange::of(entry, is_extended, interval, normal),
+        })
+    }
+
+    /// Returns true if another body is certainly farther than `margin` (m) above the half-space between two instants (s).
+    #[inline]
+    pub(crate) fn is_below(
+        &self,
+        (entry, is_extended): (&SceneEntry, bool),
+        interval: (f64, f64),
+        margin: f64,
+    ) -> bool {
+        self.heights.as_ref().is_some_and(|ground| {
+            let heights = HeightRange::of(entry, is_extended, interval, self.normal);
+            // The reach contains the model error of the body, not that of the half-space.
+            let reach = entry.body.shape().reach() + self.model_error;
+            heights.is_some_and(|heights| heights.is_above(ground, reach, margin))
+        })
+    }
+}
+
 /// The lowest and the highest coordinate of a motion along a normal, m.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HeightRange {
+struct HeightRange {
     low: f64,
     high: f64,
     /// Magnitude of the coordinates, m.
@@ -17,7 +63,7 @@ impl HeightRange {
     /// Returns the heights of a body between two instants (s) along a normal, if they are known without its
     /// cubics: it follows straight motions, or its plan alone.
     #[inline]
-    pub(crate) fn of(
+    fn of(
         entry: &SceneEntry,
         is_extended: bool,
         (from, to): (f64, f64),
@@ -72,7 +118,7 @@ impl HeightRange {
     /// Returns true if a body with these heights, whose spheres reach so far (m), is certainly farther than
     /// `margin` (m) above a half-space with those.
     #[inline]
-    pub(crate) fn is_above(&self, ground: &Self, reach: f64, margin: f64) -> bool {
+    fn is_above(&self, ground: &Self, reach: f64, margin: f64) -> bool {
         let size = self.size + ground.size + reach + margin.abs();
         self.low - ground.high > reach + margin + PLANE_CLEARANCE * size
     }

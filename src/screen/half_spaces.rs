@@ -8,21 +8,13 @@ use crate::broad_phase::PairFilter;
 use crate::count::short;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
-use crate::scene::HeightRange;
+use crate::scene::{PlaneHeights, SceneEntry};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, common_window, in_order, spans};
-use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A half-space of a scene.
-#[derive(Debug)]
-struct Plane<'p> {
-    place: u32,
-    view: BodyView<'p>,
-    normal: DVec3,
-    /// Heights of its position along the normal, if they are known without its cubics.
-    range: Option<HeightRange>,
-}
+/// A half-space of a scene: its heights, and its view.
+type Plane<'p> = (PlaneHeights, BodyView<'p>);
 
 impl PreparedScene<'_> {
     /// Appends every span in which a half-space and another body may be in contact to `found`;
@@ -77,15 +69,9 @@ impl PreparedScene<'_> {
     }
 
     fn planes<'p>(&'p self, bodies: &'p impl Bodies) -> impl Iterator<Item = Plane<'p>> {
-        self.half_spaces.iter().map(|&place| {
-            let entry = self.entries[place as usize];
-            let normal = entry.body.hitbox.normal().unwrap_or_default();
-            Plane {
-                place,
-                view: bodies.view(place),
-                normal,
-                range: self.heights(place, normal),
-            }
+        self.half_spaces.iter().filter_map(|&place| {
+            let heights = PlaneHeights::of(place, self.entry(place), self.searched());
+            Some((heights?, bodies.view(place)))
         })
     }
 
@@ -94,21 +80,21 @@ impl PreparedScene<'_> {
     fn compare_half_space(
         &self,
         body: u32,
-        plane: &Plane<'_>,
+        (plane, ground): &Plane<'_>,
         bodies: &impl Bodies,
         filter: &dyn PairFilter,
         near: &mut Vec<SpanKey>,
     ) -> u64 {
-        let place = body as usize;
-        let (first, second) = (body.min(plane.place), body.max(plane.place));
-        if self.entries[place].body.hitbox.is_half_space()
-            || self.is_clear(body, plane)
+        let entry = self.entry(body);
+        let (first, second) = (body.min(plane.body), body.max(plane.body));
+        if entry.0.body.hitbox.is_half_space()
+            || plane.is_below(entry, self.searched(), self.margin)
             || !filter.admits(first, second)
         {
             return 0;
         }
         let view = bodies.view(body);
-        let [(_, a), (_, b)] = in_order((body, &view), (plane.place, &plane.view));
+        let [(_, a), (_, b)] = in_order((body, &view), (plane.body, ground));
         let Some((from, to)) = common_window(&a.knots, &b.knots, self.searched()) else {
             return 0;
         };
@@ -122,21 +108,9 @@ impl PreparedScene<'_> {
         examined
     }
 
-    fn heights(&self, place: u32, normal: DVec3) -> Option<HeightRange> {
+    /// Returns the body at a place, and true if its plan is extended in the window.
+    fn entry(&self, place: u32) -> (&SceneEntry, bool) {
         let place = place as usize;
-        let is_extended = self.extension(place).is_some();
-        HeightRange::of(self.entries[place], is_extended, self.searched(), normal)
-    }
-
-    /// Returns true if the body at a place is certainly above a half-space in the whole window.
-    fn is_clear(&self, place: u32, plane: &Plane<'_>) -> bool {
-        let Some(ground) = &plane.range else {
-            return false;
-        };
-        // The reach contains the model error of the body, not that of the half-space.
-        let shape = self.entries[place as usize].body.shape();
-        let reach = shape.reach() + plane.view.model_error;
-        let heights = self.heights(place, plane.normal);
-        heights.is_some_and(|heights| heights.is_above(ground, reach, self.margin))
+        (self.entries[place], self.extension(place).is_some())
     }
 }
