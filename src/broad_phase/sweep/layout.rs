@@ -3,7 +3,7 @@
 use super::quantizer::STEPS;
 
 /// The grid into which boxes are sorted: rows over two axes, fine bins along the third.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GridLayout {
     /// The axis swept along.
     pub(super) sweep: usize,
@@ -15,6 +15,8 @@ pub(super) struct GridLayout {
     pub(super) groups: u32,
     /// Bins of a group in a row.
     pub(super) bins: u32,
+    /// Expected number of comparisons, of one group.
+    pub(super) comparisons: f64,
 }
 
 impl GridLayout {
@@ -27,11 +29,11 @@ impl GridLayout {
         1, 2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512,
     ];
 
-    /// Returns the layout of least expected cost for this number of evenly spread boxes, in so many groups, with
-    /// these mean extents on each axis as shares of the grid, 0..=1.
-    pub(super) fn choose(count: usize, groups: u32, extents: [f64; 3]) -> Self {
+    /// Returns the layout of least expected cost for this number of evenly spread boxes of one group, with these mean
+    /// extents on each axis as shares of the grid, 0..=1.
+    pub(super) fn choose(count: usize, extents: [f64; 3]) -> Self {
         let count = count as f64;
-        let mut best = (f64::INFINITY, 0, [1, 1]);
+        let mut best = (f64::INFINITY, 0, [1, 1], 0.0);
         for sweep in 0..3 {
             let [first, second] = across(sweep).map(|axis| extents[axis]);
             for one in Self::ROWS {
@@ -46,19 +48,26 @@ impl GridLayout {
                     let successors = row * extents[sweep];
                     let cost = copies * (Self::COPY + Self::STEP * (1.0 + successors / 16.0));
                     if cost < best.0 {
-                        best = (cost, sweep, [one, other]);
+                        best = (cost, sweep, [one, other], count * copies * successors);
                     }
                 }
             }
         }
-        let (_, sweep, rows) = best;
+        let (_, sweep, rows, comparisons) = best;
         Self {
             sweep,
             across: across(sweep),
             rows,
-            groups,
+            groups: 1,
             bins: Self::bins(rows, count, extents[sweep]),
+            comparisons,
         }
+    }
+
+    /// Returns the layout for so many groups.
+    pub(super) const fn with_groups(mut self, groups: u32) -> Self {
+        self.groups = groups;
+        self
     }
 
     /// Returns a number of bins a quarter of a box long, so that few successors of a box start behind

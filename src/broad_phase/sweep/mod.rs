@@ -28,7 +28,7 @@ use self::region::Region;
 use self::row_sweep::SweepRows;
 use self::rows::{SortIntoRows, SortedRows};
 use self::sample::BoxSample;
-use super::{BodyBox, BroadPhase, Candidate, PairFilter};
+use super::{BodyBox, BroadPhase, Candidate, Groups, PairFilter};
 use crate::count::short;
 use crate::parallel;
 use crate::simd::InstructionSet;
@@ -66,6 +66,8 @@ impl Sweep {
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;
+    /// Comparisons per box from which those of groups that form no pairs are left out: sorting by groups costs as much.
+    const GROUPED_COMPARISONS: f64 = 16.0;
     /// Comparisons per box from which the hit rate is measured: twice the cost of dividing.
     const MANY_COMPARISONS: f64 = 256.0;
     /// Hit rate below which boxes are divided.
@@ -112,23 +114,8 @@ impl Sweep {
         if self.sample.set_planes_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
-        let quantizer = Quantizer::new(self.sample.ranges());
-        let groups = filter.groups();
-        self.group_of.clear();
-        if groups.count() > 1 {
-            let of_boxes = boxes.iter().map(|one| filter.group(one.body));
-            self.group_of.extend(of_boxes);
-        }
-        let count = short(groups.count());
-        let layout = GridLayout::choose(boxes.len(), count, self.sample.shares());
-        let comparisons = self.instructions.run(SortIntoRows {
-            boxes,
-            groups,
-            group_of: &self.group_of,
-            quantizer: &quantizer,
-            layout,
-            rows: &mut self.rows,
-        });
+        let layout = GridLayout::choose(boxes.len(), self.sample.shares());
+        let comparisons = self.sort(boxes, layout, filter);
         let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
         if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
             let parts = &mut self.parts[depth];
@@ -139,6 +126,41 @@ impl Sweep {
         }
         let region = (depth > 0).then_some(&region);
         self.sweep_rows(boxes, region, filter, candidates);
+    }
+
+    /// Sorts boxes into rows, and by their groups where that leaves out many comparisons; returns the number of those that
+    /// a sweep makes.
+    fn sort(&mut self, boxes: &[BodyBox], layout: GridLayout, filter: &dyn PairFilter) -> u64 {
+        let quantizer = Quantizer::new(self.sample.ranges());
+        let count = boxes.len() as f64;
+        let groups = filter.groups();
+        let Self {
+            instructions,
+            rows,
+            group_of,
+            ..
+        } = self;
+        let mut sort_by = |groups: Groups, group_of: &[u8]| {
+            instructions.run(SortIntoRows {
+                boxes,
+                groups,
+                group_of,
+                quantizer: &quantizer,
+                layout: layout.with_groups(short(groups.count())),
+                rows,
+            })
+        };
+        let are_few = |expected: f64, limit: f64| groups.count() == 1 || expected <= limit * count;
+        if are_few(layout.comparisons, Self::GROUPED_COMPARISONS) {
+            let comparisons = sort_by(Groups::ONE, &[]);
+            // Twice as many, where the layout did not foresee a crowd.
+            if are_few(comparisons as f64, 2.0 * Self::GROUPED_COMPARISONS) {
+                return comparisons;
+            }
+        }
+        group_of.clear();
+        group_of.extend(boxes.iter().map(|one| filter.group(one.body)));
+        sort_by(groups, group_of)
     }
 
     /// Appends the pairs of boxes that are sorted into rows; several threads share many of them.

@@ -345,6 +345,7 @@ mod tests {
         across: [0, 2],
         rows: [4, 8],
         groups: 1,
+        comparisons: 0.0,
         bins: 16,
     };
 
