@@ -2,8 +2,9 @@
 
 /// Membership and filter bit masks, as in rapier's `InteractionGroups`.
 ///
-/// Two bodies are a pair if each is a member of a layer that the other filters for. Other bodies are not compared with
-/// each other, if the layers of a scene make at most eight groups: bodies that meet the same layers are of one group.
+/// Two bodies are a pair if each is a member of a layer that the other filters for. Where bodies crowd, others are not
+/// compared with each other, if the layers of a scene make at most eight groups: bodies that meet the same layers are of
+/// one group.
 ///
 /// ```
 /// use nearmiss::Layers;

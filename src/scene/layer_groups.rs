@@ -15,8 +15,6 @@ pub(crate) struct LayerGroups {
 impl LayerGroups {
     /// Largest number of different layers that are put into groups.
     const MANY: usize = 64;
-    /// Largest number of excluded pairs for each body that are compared like others: in a crowd each may be a candidate.
-    const FEW: f64 = 4.0;
 
     /// All in one group: nothing is known of them.
     pub(crate) const ONE: Self = Self {
@@ -24,21 +22,20 @@ impl LayerGroups {
         groups: Groups::ONE,
     };
 
-    /// Returns the groups of different layers, each with the number of its bodies: one group if these are too many for
-    /// [`Groups::MAX`], or if groups would leave out few pairs.
-    pub(super) fn of(different: impl ExactSizeIterator<Item = (Layers, usize)> + Clone) -> Self {
-        if different.len() > Self::MANY || Self::leave_out_few(different.clone()) {
+    /// Returns the groups of different layers: one group if these are too many for [`Groups::MAX`].
+    pub(super) fn of(different: impl ExactSizeIterator<Item = Layers> + Clone) -> Self {
+        if different.len() > Self::MANY {
             return Self::ONE;
         }
         let admitted = |own: Layers| {
             let others = different.clone().enumerate();
-            others.fold(0_u64, |bits, (number, (other, _))| {
+            others.fold(0_u64, |bits, (number, other)| {
                 bits | u64::from(own.admits(other)) << number
             })
         };
         let mut representatives = ArrayVec::<(Layers, u64), { Groups::MAX }>::new();
         let mut layers = ArrayVec::new();
-        for (own, _) in different.clone() {
+        for own in different.clone() {
             let bits = admitted(own);
             let known = representatives.iter().position(|&(_, other)| other == bits);
             let group = known.unwrap_or(representatives.len());
@@ -64,21 +61,6 @@ impl LayerGroups {
         }
     }
 
-    /// Returns true if different layers exclude so few pairs of bodies that comparing these costs less than groups do.
-    fn leave_out_few(different: impl Iterator<Item = (Layers, usize)> + Clone) -> bool {
-        let mut kinds = different.map(|(layers, count)| (layers, count as f64));
-        let (mut bodies, mut excluded) = (0.0, 0.0);
-        while let Some((own, count)) = kinds.next() {
-            bodies += count;
-            if !own.admits(own) {
-                excluded += 0.5 * count * (count - 1.0);
-            }
-            let others = kinds.clone().filter(|(other, _)| !own.admits(*other));
-            excluded += count * others.map(|(_, count)| count).sum::<f64>();
-        }
-        excluded <= Self::FEW * bodies
-    }
-
     /// Returns the group of a body with these layers.
     #[inline]
     pub(crate) fn of_layers(&self, layers: Layers) -> u8 {
@@ -91,22 +73,6 @@ impl LayerGroups {
 mod tests {
     use super::*;
 
-    /// At most four for each body.
-    #[test]
-    fn groups_that_leave_out_few_pairs_are_not_made() {
-        let (one, other) = (Layers::new(1, 2), Layers::new(2, 3));
-        for (count, groups) in [(1, 1), (33, 1), (34, 2), (100, 2)] {
-            let of_both = [(one, count), (other, 100)];
-            let found = LayerGroups::of(of_both.into_iter());
-            assert_eq!(found.groups.count(), groups, "{count}");
-        }
-        // One that meets nobody, and one that meets itself alone.
-        for alone in [Layers::NONE, Layers::new(4, 4)] {
-            let found = LayerGroups::of([(alone, 1), (other, 100)].into_iter());
-            assert_eq!(found.groups.count(), 1);
-        }
-    }
-
     /// Two layers are of groups that admit each other exactly if the layers do.
     #[test]
     fn groups_admit_each_other_as_their_layers_do() {
@@ -117,7 +83,7 @@ mod tests {
                 .into_iter()
                 .map(|(membership, filter)| Layers::new(membership, filter))
                 .collect();
-            let groups = LayerGroups::of(layers.iter().map(|&layers| (layers, 100)));
+            let groups = LayerGroups::of(layers.iter().copied());
             assert_eq!(groups.groups.count(), count);
             for (one, other) in layers
                 .iter()

@@ -83,7 +83,7 @@ impl Kinds {
 
     /// Returns the groups of the layers.
     pub(super) fn layer_groups(&self) -> LayerGroups {
-        LayerGroups::of(self.counts())
+        LayerGroups::of(self.counts().map(|(layers, _)| layers))
     }
 
     /// Updates which layers have a partner; a single body is no partner of itself.
