@@ -112,7 +112,7 @@ pub struct Scene {
     slots: Vec<Slot>,
     /// The key of each slot: ids are checked without fetching bodies.
     keys: Vec<SlotKey>,
-    /// The layers of the body in each slot: those of pairs are compared without fetching bodies.
+    /// The layers of the body in each slot, none of an empty one: those of pairs are compared without fetching bodies.
     layers: Vec<Layers>,
     free: Vec<u32>,
     ignored: IgnoredPairs,
@@ -219,6 +219,7 @@ impl Scene {
         self.len -= 1;
         let body = entry.leave(&mut self.arena);
         self.kinds.remove_layers(body.layers);
+        self.layers[id.slot as usize] = Layers::NONE;
         self.tidy();
         Ok(body)
     }
@@ -405,12 +406,6 @@ impl Scene {
         let entry = self.slots.get(slot as usize)?.entry.as_ref()?;
         let generation = self.keys[slot as usize].generation;
         Some((BodyId { slot, generation }, entry))
-    }
-
-    /// Returns the key of a slot with a body.
-    #[inline]
-    fn taken(&self, slot: u32) -> Option<&SlotKey> {
-        self.keys.get(slot as usize).filter(|key| key.is_taken)
     }
 
     /// Moves all compact trajectories to new memory, if most of the old one is garbage.

@@ -77,7 +77,7 @@ impl PairFilter for PairAdmission<'_> {
 
     /// Returns the group of the body in a slot; the first one if there is no body.
     fn group(&self, slot: u32) -> u8 {
-        if self.admits_all || self.scene.taken(slot).is_none() {
+        if self.admits_all {
             return 0;
         }
         self.groups.of_layers(self.scene.layers[slot as usize])
@@ -101,13 +101,13 @@ impl Scene {
 
     /// Returns true if the bodies of two slots may be a pair by layers and ignored pairs.
     fn admits(&self, a: u32, b: u32) -> bool {
-        let [Some(key_a), Some(key_b)] = [a, b].map(|slot| self.taken(slot)) else {
-            return false;
-        };
-        // Bodies are fetched only where it matters: one that is not cached takes as long as many comparisons.
+        // Bodies are not fetched: one that is not cached takes as long as many comparisons.
         let [of_a, of_b] = [a, b].map(|slot| self.layers[slot as usize]);
-        of_a.admits(of_b)
-            && (self.ignored.is_empty() || !self.ignored.contains(key_a.id(a), key_b.id(b)))
+        let are_ignored = || {
+            let [one, other] = [a, b].map(|slot| self.keys[slot as usize].id(slot));
+            self.ignored.contains(one, other)
+        };
+        of_a.admits(of_b) && (self.ignored.is_empty() || !are_ignored())
     }
 
     /// Returns the [radius](radius) of the body in a slot, m; 0 if there is none.

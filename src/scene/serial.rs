@@ -3,6 +3,7 @@
 use super::{Body, Scene, SceneEntry, Slot, SlotKey};
 use crate::error::Error;
 use crate::id::BodyId;
+use crate::layers::Layers;
 use serde::{Deserialize, Serialize};
 
 /// The serialised fields of a scene.
@@ -49,7 +50,7 @@ impl TryFrom<SerialScene> for Scene {
                 is_taken: body.is_some(),
             });
             let layers = body.as_ref().map(|body| body.layers);
-            scene.layers.push(layers.unwrap_or_default());
+            scene.layers.push(layers.unwrap_or(Layers::NONE));
             scene.slots.push(Slot {
                 entry: body.map(|body| SceneEntry::new(body, &mut scene.arena)),
             });
