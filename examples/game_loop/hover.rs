@@ -24,7 +24,7 @@ pub(crate) struct Hovered {
     at: Vec2,
     /// Its encounters of the levels that are shown.
     met: Vec<Encounter>,
-    /// Where it is named: beside the body, on the screen.
+    /// The area of the text that names it, beside the body.
     pub(crate) area: Area,
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Bodies with their scene, and the time in which they are looked at.
 pub(crate) struct World {
     pub(crate) scene: Scene,
-    /// Of each body, m.
+    /// The radius of each body, m.
     pub(crate) radii: Vec<f64>,
     pub(crate) margin: f64,
     pub(crate) window: Window,

@@ -1,10 +1,11 @@
 //! A packed sweep over boxes sorted into rows.
 //!
 //! Boxes become 16 bytes each: six faces on a 16-bit grid (`quantizer`) and the cell they are
-//! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by groups and by fine
-//! bins of the third; `layout` chooses these numbers. Each record is compared with its
-//! successors in its row, in each group that its own may form pairs with, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the
-//! boxes themselves, so the pairs are exact.
+//! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by fine
+//! bins of the third, and by groups where that leaves out many comparisons; `layout` chooses these
+//! numbers. Each record is compared with its successors in its row, in each group that its own may
+//! form pairs with, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the boxes
+//! themselves, so the pairs are exact.
 //!
 //! The grid is chosen from a `sample` of the boxes; nothing has to be configured. Box sets that one
 //! grid serves badly are divided first (`partition`): distant clusters, and sets in which most
@@ -45,7 +46,7 @@ pub struct Sweep {
     instructions: InstructionSet,
     sample: BoxSample,
     rows: SortedRows,
-    /// The group of each box, if there are several.
+    /// The group of each box, if the rows are sorted by groups.
     group_of: Vec<u8>,
     /// Memory of comparisons of all boxes.
     faces: [[Vec<f32>; 3]; 2],
