@@ -116,6 +116,44 @@ fn others_are_as_without() {
     assert_eq!(bits(&screen(&scene, window, 0.7)), bits(&before));
 }
 
+/// Straight lines that come as near as margin, radii and model errors allow, less a millionth of the errors, along an axis or in
+/// any direction: boxes and lines around the bodies hold all of the model errors.
+#[test]
+fn a_graze_within_the_last_of_the_model_errors_is_found() {
+    let mut rng = rng(11);
+    for seed in 0..2_000 {
+        let axes = glam::DMat3::IDENTITY;
+        let axes = if seed % 2 == 0 {
+            axes
+        } else {
+            let angles = crate::support::vector(&mut rng, 3.0);
+            glam::DMat3::from_euler(glam::EulerRot::XYZ, angles.x, angles.y, angles.z)
+        };
+        let errors = [rng.random_range(0.5..2.0), rng.random_range(0.5..2.0)];
+        let margin = rng.random_range(-0.5..0.5);
+        let radius = 0.25;
+        let away = margin + 2.0 * radius + (errors[0] + errors[1]) * (1.0 - 1e-6);
+        let speed = rng.random_range(0.0..1.0) * f64::from(seed % 3);
+        let place = crate::support::vector(&mut rng, 5.0);
+        let mut scene = Scene::new();
+        for (side, error) in [(0.0, errors[0]), (1.0, errors[1])] {
+            let position = place + axes.x_axis * (side * away);
+            let velocity = axes.y_axis * (speed * (1.0 - 2.0 * side));
+            // Nearest to each other at 5 s.
+            let motion = State::new(5.0, position, velocity);
+            let body = Body::new(Trajectory::coasting(motion).unwrap())
+                .with_hitbox(Hitbox::sphere(radius).unwrap());
+            scene.insert(body.with_model_error(error).unwrap()).unwrap();
+        }
+        for accuracy in BOTH {
+            let query = Query::new(Window::new(0.0, 10.0).unwrap());
+            let query = query.with_margin(margin).with_accuracy(accuracy);
+            let found = scene.screen(&query).unwrap().conflicts;
+            assert_eq!(found.len(), 1, "{seed} {accuracy:?}");
+        }
+    }
+}
+
 /// Tick by tick, with model errors that change, and plans that are told.
 #[test]
 fn a_monitor_says_what_a_screening_says() {
