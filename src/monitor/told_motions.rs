@@ -13,38 +13,32 @@ pub(super) struct ToldMotions {
     pub(super) ids: Vec<BodyId>,
     /// Straight motions, one for each body.
     pub(super) motions: Vec<StraightMotion>,
+    /// Spins, up to the last body of which one was given.
+    pub(super) spins: Vec<Option<ToldSpin>>,
     /// True for each body whose motion is replaced in place, from the time of the call on: most are.
     /// In a list of its own: motions are many times as long and do not change any more.
     pub(super) in_place: Vec<bool>,
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
-    /// Spins that were given, with the place of the body.
-    pub(super) spins: Vec<(usize, ToldSpin)>,
-    /// Number of the spin of each place, valid if that entry is of this place.
-    spin_of: Vec<usize>,
-    /// Changes of bodies whose motion is not replaced in place.
-    pub(super) others: Vec<ToldChange>,
+    /// Places of the other bodies, and how each comes to follow its motion, if that is not refused.
+    pub(super) others: Vec<(usize, Result<ToldPlan, Error>)>,
 }
 
 impl ToldMotions {
     pub(super) fn clear(&mut self) {
         self.ids.clear();
         self.motions.clear();
-        self.in_place.clear();
         self.spins.clear();
+        self.in_place.clear();
         self.others.clear();
     }
 
     /// Lists the other changes, once it is known which motions are replaced in place.
     pub(super) fn list_others(&mut self) {
         let places = self.in_place.iter().enumerate();
-        for (place, _) in places.filter(|(_, is_replaced)| !**is_replaced) {
-            self.others.push(ToldChange {
-                id: self.ids[place],
-                motion: self.motions[place],
-                plan: ToldPlan::Same,
-            });
-        }
+        let others = places.filter(|(_, is_replaced)| !**is_replaced);
+        self.others
+            .extend(others.map(|(place, _)| (place, Ok(ToldPlan::Same))));
     }
 
     /// Takes a motion in, and a spin if it was given. They replace those of the same body, if there are any.
@@ -57,31 +51,17 @@ impl ToldMotions {
         let mut place = self.place_of[slot];
         if self.ids.get(place) == Some(&id) {
             self.motions[place] = motion;
-            self.forget_spin(place);
         } else {
             place = self.ids.len();
             self.place_of[slot] = place;
             self.ids.push(id);
             self.motions.push(motion);
         }
-        if let Some(spin) = spin {
-            if self.spin_of.len() <= place {
-                self.spin_of.resize(place + 1, 0);
-            }
-            self.spin_of[place] = self.spins.len();
-            self.spins.push((place, spin));
-        }
-    }
-
-    /// Forgets the spin of the body at a place, if there is one.
-    fn forget_spin(&mut self, place: usize) {
-        let number = self.spin_of.get(place).copied();
-        let is_own = |number: &usize| self.spins.get(*number).is_some_and(|spin| spin.0 == place);
-        if let Some(number) = number.filter(is_own) {
-            self.spins.swap_remove(number);
-            if let Some((moved, _)) = self.spins.get(number) {
-                self.spin_of[*moved] = number;
-            }
+        if let Some(own) = self.spins.get_mut(place) {
+            *own = spin;
+        } else if spin.is_some() {
+            self.spins.resize(place, None);
+            self.spins.push(spin);
         }
     }
 
@@ -99,14 +79,6 @@ impl ToldMotions {
     }
 }
 
-/// A change of another kind.
-#[derive(Debug)]
-pub(super) struct ToldChange {
-    pub(super) id: BodyId,
-    pub(super) motion: StraightMotion,
-    pub(super) plan: ToldPlan,
-}
-
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
 pub(super) enum ToldPlan {
@@ -116,6 +88,4 @@ pub(super) enum ToldPlan {
     InPlace(f64),
     /// The body takes another plan.
     Replan(Box<(Trajectory, MonitoredBody)>),
-    /// The motion is refused.
-    Refused(Box<Error>),
 }

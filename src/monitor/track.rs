@@ -4,17 +4,16 @@ use super::Monitor;
 use super::command::{ChangeContext, CommandBatch};
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::told_motions::{ToldChange, ToldMotions, ToldPlan};
+use super::told_motions::{ToldMotions, ToldPlan};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::orientation::ToldSpin;
 use crate::parallel;
 use crate::scene::BodyState;
 use crate::simd::{prefetch, prefetch_first};
-use crate::trajectory::Trajectory;
+use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
 use std::slice::from_ref;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Monitor {
     /// Lets each of these bodies follow [`Trajectory::coasting`] from its state, from `now` (s) on, whatever the
@@ -120,23 +119,25 @@ impl Monitor {
             }
         }
         let context = self.change_context()?;
-        if !self.find_in_place(now, told, &context) {
-            told.list_others();
-        }
-        let others = &mut told.others;
+        self.find_in_place(now, told, &context);
+        told.list_others();
+        let ToldMotions {
+            ids,
+            motions,
+            others,
+            ..
+        } = told;
         let few = (others.len(), CommandBatch::FEW);
         parallel::for_each_chunk(others, CHUNK, few, |_, some| {
-            for other in some {
-                if let Err(error) = self.work_out_change(now, other, &context) {
-                    other.plan = ToldPlan::Refused(Box::new(error.with_id(other.id)));
-                }
+            for (place, plan) in some {
+                let (id, motion) = (ids[*place], &motions[*place]);
+                let found = self.work_out_plan(now, (id, motion), &context);
+                *plan = found.map_err(|error| error.with_id(id));
             }
         });
-        let is_refused = |one: &&mut ToldChange| matches!(one.plan, ToldPlan::Refused(_));
-        let first = others.iter_mut().find(is_refused);
-        match first.map(|one| std::mem::replace(&mut one.plan, ToldPlan::Same)) {
-            Some(ToldPlan::Refused(error)) => Err(*error),
-            _ => refused,
+        match others.iter().position(|(_, plan)| plan.is_err()) {
+            Some(first) => others.swap_remove(first).1.map(drop),
+            None => refused,
         }
     }
 
@@ -168,13 +169,12 @@ impl Monitor {
     }
 
     /// Notes which motions are replaced in place, by the test of
-    /// [`LastMotion`](crate::trajectory::LastMotion::is_replaced_by). Returns true if all are.
-    fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) -> bool {
+    /// [`LastMotion`](crate::trajectory::LastMotion::is_replaced_by).
+    fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
         let few = (told.ids.len(), CommandBatch::FEW);
         let times = (now, context.forget_before);
-        let are_in_place = AtomicBool::new(true);
         let monitored = &self.search.monitored;
         let ToldMotions {
             ids,
@@ -194,51 +194,45 @@ impl Monitor {
                 *is_replaced = self.scene.has(id)
                     && monitored.is_replaced(id.slot, motion, times, context.window);
             }
-            are_in_place.fetch_and(
-                some.iter().all(|is_replaced| *is_replaced),
-                Ordering::Relaxed,
-            );
         });
-        are_in_place.into_inner()
     }
 
-    /// Finds the change of a body that is told a motion at an instant (s).
-    fn work_out_change(
+    /// Returns the way in which a body comes to follow a motion that it is told at an instant (s).
+    fn work_out_plan(
         &self,
         now: f64,
-        change: &mut ToldChange,
+        (id, motion): (BodyId, &StraightMotion),
         context: &ChangeContext<'_>,
-    ) -> Result<(), Error> {
-        let id = change.id;
+    ) -> Result<ToldPlan, Error> {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let (old, motion) = (&body.trajectory, change.motion);
+        let old = &body.trajectory;
         let in_body = |error: Error| error.in_body(body.tag);
-        let plan = || Trajectory::of_straight(motion);
-        let from = context.follows_from(old, &plan(), now);
+        let mut plan = Trajectory::of_straight(*motion);
+        let from = context.follows_from(old, &plan, now);
         let from = from.map_err(in_body)?;
-        change.plan = if old.follows(&motion, from) {
-            ToldPlan::Same
-        } else if old.can_replace(from, &motion, context.window) {
-            ToldPlan::InPlace(from)
-        } else {
-            let mut plan = plan();
-            let done = plan.precede_by(old, from, context.forget_before);
-            done.map_err(in_body)?;
-            let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
-            ToldPlan::Replan(Box::new((plan, monitored)))
-        };
-        Ok(())
+        if old.follows(motion, from) {
+            return Ok(ToldPlan::Same);
+        }
+        if old.can_replace(from, motion, context.window) {
+            return Ok(ToldPlan::InPlace(from));
+        }
+        let done = plan.precede_by(old, from, context.forget_before);
+        done.map_err(in_body)?;
+        let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
+        Ok(ToldPlan::Replan(Box::new((plan, monitored))))
     }
 
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, told: &mut ToldMotions) -> Result<(), Error> {
         self.replace_in_place(now, told)?;
         let since = self.change_context()?.forget_before;
-        for change in told.others.drain(..) {
-            let id = change.id;
-            match change.plan {
-                ToldPlan::Same | ToldPlan::Refused(_) => {}
-                ToldPlan::InPlace(from) => self.replace_motion(id, (from, &change.motion))?,
+        for (place, plan) in told.others.drain(..) {
+            let id = told.ids[place];
+            match plan? {
+                ToldPlan::Same => {}
+                ToldPlan::InPlace(from) => {
+                    self.replace_motion(id, (from, &told.motions[place]))?;
+                }
                 ToldPlan::Replan(replanned) => {
                     let (mut plan, monitored) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
@@ -248,19 +242,21 @@ impl Monitor {
             }
         }
         // Last: what a body takes with another plan was worked out for the old shape.
-        for (number, (place, spin)) in told.spins.iter().enumerate() {
-            self.prefetch_turning(told, number);
-            self.take_spin(told.ids[*place], spin, (now, since))?;
+        for (place, spin) in told.spins.iter().enumerate() {
+            self.prefetch_turning(told, place);
+            if let Some(spin) = spin {
+                self.take_spin(told.ids[place], spin, (now, since))?;
+            }
         }
         Ok(())
     }
 
     /// Prefetches orientations that are changed later.
-    fn prefetch_turning(&self, told: &ToldMotions, number: usize) {
+    fn prefetch_turning(&self, told: &ToldMotions, place: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let later = |ahead: usize| {
-            let (place, _) = told.spins.get(number + ahead)?;
-            let (_, entry) = self.scene.in_slot(told.ids[*place].slot)?;
+            told.spins.get(place + ahead)?.as_ref()?;
+            let (_, entry) = self.scene.in_slot(told.ids[place + ahead].slot)?;
             entry.body.orientation.turning()
         };
         if let Some(turning) = later(2 * AHEAD) {
