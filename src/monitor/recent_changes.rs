@@ -2,6 +2,7 @@
 //! between ticks ([`Monitor::what_if`](crate::Monitor::what_if)) compares a plan with these boxes instead.
 
 use super::bodies::BodyTable;
+use super::slice::NearBody;
 use crate::broad_phase::BodyBox;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use std::sync::{Mutex, PoisonError};
@@ -17,10 +18,8 @@ pub(super) struct RecentChanges {
 
 #[derive(Debug, Default)]
 struct RecentBoxes {
-    /// Number of slots that have been boxed, for this window (s). A body that has changed again has
-    /// several boxes.
+    /// Number of slots that have been boxed. A body that has changed again has several boxes.
     boxed: usize,
-    window: (f64, f64),
     listed: Vec<BodyBox>,
 }
 
@@ -40,36 +39,29 @@ impl RecentChanges {
         self.slots.clear();
         self.slots.extend_from_slice(slots);
         let boxes = self.boxes.get_mut();
-        boxes.unwrap_or_else(PoisonError::into_inner).forget();
+        let boxes = boxes.unwrap_or_else(PoisonError::into_inner);
+        boxes.boxed = 0;
+        boxes.listed.clear();
     }
 
-    /// Appends the bodies whose boxes over a window (s) meet one of the same window.
+    /// Appends the bodies whose boxes over a window (s) meet one of the same window. Between two ticks, all questions are
+    /// about the same window.
     pub(super) fn meeting(
         &self,
         bodies: &BodyTable<'_>,
-        window: (f64, f64),
+        (from, to): (f64, f64),
         own: &Aabb,
-        near: &mut Vec<u32>,
+        neighbours: &mut Vec<NearBody>,
     ) {
         let mut boxes = self.boxes.lock().unwrap_or_else(PoisonError::into_inner);
-        if boxes.window != window {
-            boxes.forget();
-            boxes.window = window;
-        }
-        let RecentBoxes { boxed, listed, .. } = &mut *boxes;
+        let RecentBoxes { boxed, listed } = &mut *boxes;
         let slots = self.slots[*boxed..].iter().copied();
-        bodies.boxes(slots, &[window.0, window.1], &mut |_, boxed, _| {
+        bodies.boxes(slots, &[from, to], &mut |_, boxed, _| {
             listed.push(boxed);
         });
         *boxed = self.slots.len();
         let met = listed.iter().filter(|other| own.intersects(&other.aabb));
-        near.extend(met.map(|other| other.body));
-    }
-}
-
-impl RecentBoxes {
-    fn forget(&mut self) {
-        self.boxed = 0;
-        self.listed.clear();
+        let throughout = |slot| NearBody { slot, from, to };
+        neighbours.extend(met.map(|other| throughout(other.body)));
     }
 }

@@ -103,15 +103,12 @@ impl LookaheadSearch {
         let bodies = self.bodies(scene);
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
-            let mut met = Vec::new();
             let ends = [window.0, window.1];
             form(&self.grid.frame, &source, &ends, &mut scratch.block);
             for own in &scratch.block.slices[0].boxes {
-                self.recent.meeting(&bodies, window, &own.aabb, &mut met);
+                self.recent
+                    .meeting(&bodies, window, &own.aabb, &mut neighbours);
             }
-            let (from, to) = window;
-            let throughout = |slot| NearBody { slot, from, to };
-            neighbours.extend(met.into_iter().map(throughout));
         }
         for slice in &self.slices {
             if slice.covers_some_of(window) {
