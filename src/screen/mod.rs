@@ -24,7 +24,7 @@ use crate::parallel;
 use crate::query::Query;
 use crate::scene::{Body, PairAdmission, Scene};
 use crate::search::{
-    BoxedBodies, SceneStatistics, SliceTrials, SourceMemory, TimeSlices, WindowSearch,
+    BoxedBodies, SceneStatistics, SliceTrials, TimeSlices, WindowSearch, recycled,
 };
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -256,26 +256,24 @@ impl PreparedScene<'_> {
         trials.cheapest(slices, (statistics, filter), sources)
     }
 
-    /// Returns the box sources of all bodies and the slices; computed in parallel if there are many bodies.
-    fn laid_out(
-        &self,
+    /// Lists the box sources of all bodies, and returns the slices; computed in parallel if there are many bodies.
+    fn lay_out<'p>(
+        &'p self,
         statistics: &SceneStatistics,
         filter: &dyn PairFilter,
-        memory: &mut SourceMemory,
-    ) -> (SourceList<'_>, TimeSlices<'_>) {
+        sources: &mut SourceList<'p>,
+    ) -> TimeSlices<'p> {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
             let slices = || self.slices(statistics, filter, &|places| self.sources(places));
-            let sources = || self.all_sources(memory);
-            let (slices, sources) = parallel::join(self.ids.len(), FEW, slices, sources);
-            return (sources, slices);
+            let list = || self.list_sources(sources);
+            return parallel::join(self.ids.len(), FEW, slices, list).0;
         }
         // Then it is cheaper to copy some than to look at their bodies again.
-        let sources = self.all_sources(memory);
+        self.list_sources(sources);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
-        let slices = self.slices(statistics, filter, &some);
-        (sources, slices)
+        self.slices(statistics, filter, &some)
     }
 
     fn screen(
@@ -302,13 +300,14 @@ impl PreparedScene<'_> {
             return self.search(&BodiesInPlace(self), slicing, how, progress, screening);
         }
         let mut memory = self.pool.take();
-        let (sources, slices) = self.laid_out(&statistics, filter, &mut memory.sources);
+        let mut sources = recycled(std::mem::take(&mut memory.sources));
+        let slices = self.lay_out(&statistics, filter, &mut sources);
         let bodies = ListedBodies {
             prepared: self,
             sources: &sources,
         };
         let done = self.search(&bodies, (&slices, &statistics), how, progress, screening);
-        memory.sources.put_back(sources);
+        memory.sources = recycled(sources);
         done
     }
 

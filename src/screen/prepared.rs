@@ -19,7 +19,7 @@ use crate::rounding::exact_interval;
 use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
     Bodies, BoxedBodies, Lifetimes, Limits, Pace, SceneStatistics, SearchScratch, SlicesToForm,
-    SourceMemory, SourcesInPlace,
+    SourcesInPlace,
 };
 use crate::simd::prefetch;
 use crate::trajectory::Extension;
@@ -123,15 +123,11 @@ impl<'a> PreparedScene<'a> {
         Ok(prepared)
     }
 
-    /// Returns the box sources of all bodies, by place, in a common frame.
-    pub(super) fn all_sources(&self, memory: &mut SourceMemory) -> SourceList<'_> {
+    /// Replaces the content of a list by the box sources of all bodies, by place, in a common frame.
+    pub(super) fn list_sources<'p>(&'p self, sources: &mut SourceList<'p>) {
         /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
-        let mut sources = memory.take();
-        parallel::map_into(self.entries.len(), FEW, &mut sources, |place| {
-            self.source(place)
-        });
-        sources
+        parallel::map_into(self.entries.len(), FEW, sources, |place| self.source(place));
     }
 
     /// Returns true if views and sources are made in place, not listed: most bodies follow straight motions.

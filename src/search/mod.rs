@@ -33,7 +33,7 @@ pub(crate) use lifetimes::Lifetimes;
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use pace::Pace;
 pub(crate) use refine::{CandidateRefiner, RefineContext};
-pub(crate) use scratch::{SearchScratch, SourceMemory};
+pub(crate) use scratch::{SearchScratch, recycled};
 pub(crate) use slice_length::SliceTrials;
 pub(crate) use slices::{SceneStatistics, TimeSlices};
 pub(crate) use sort::SpanSorter;

@@ -11,7 +11,8 @@ use crate::spans::SpanKey;
 /// take 40 to 130 bytes a box of one slice.
 #[derive(Debug, Default)]
 pub(crate) struct SearchScratch {
-    pub(crate) sources: SourceMemory,
+    /// Memory of the box sources of a screening's bodies: see [`recycled`].
+    pub(crate) sources: Vec<CubicSource<'static, CompactCubic>>,
     /// Lifetimes of a monitor's bodies.
     pub(crate) lifetimes: Lifetimes,
     pub(crate) methods: Methods,
@@ -28,24 +29,8 @@ pub(crate) struct SearchScratch {
     pub(crate) sorter: SpanSorter,
 }
 
-/// Memory of the box sources of a screening's bodies.
-#[derive(Debug, Default)]
-pub(crate) struct SourceMemory(Vec<CubicSource<'static, CompactCubic>>);
-
-impl SourceMemory {
-    /// Returns an empty list in this memory.
-    pub(crate) fn take<'a>(&mut self) -> Vec<CubicSource<'a, CompactCubic>> {
-        recycled(std::mem::take(&mut self.0))
-    }
-
-    /// Takes the memory of a list back.
-    pub(crate) fn put_back(&mut self, sources: Vec<CubicSource<'_, CompactCubic>>) {
-        self.0 = recycled(sources);
-    }
-}
-
-/// Returns the memory of a list for values of another lifetime.
-fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
+/// Returns an empty list in the memory of one whose values have another lifetime.
+pub(crate) fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
     list.clear();
     list.into_iter().filter_map(|_| None).collect()
 }
