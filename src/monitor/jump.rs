@@ -8,7 +8,6 @@
 use super::budget::TickWork;
 use super::prepared::PreparedBodies;
 use crate::broad_phase::PairFilter;
-use crate::parallel;
 use crate::rounding::earliest_exact;
 use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
@@ -63,11 +62,6 @@ impl JumpSearch {
             chunk: length,
             slice: length,
         });
-        let threads = if meter.is_unlimited() {
-            parallel::threads()
-        } else {
-            1
-        };
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
         let until = meter.until().unwrap_or(f64::INFINITY);
         while progress.at < to {
@@ -78,7 +72,7 @@ impl JumpSearch {
             let window = (progress.at, end);
             let (slices, statistics) = bodies.cheapest_slices(window, progress.slice, admission);
             let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
-            bodies.list_spans(slicing, admission, threads, (&mut *found, &mut counted))?;
+            bodies.list_spans(slicing, admission, (&mut *found, &mut counted))?;
             if admission.gives_up() {
                 return Ok(Some(progress.at.max(from)));
             }

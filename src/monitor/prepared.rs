@@ -22,40 +22,26 @@ pub(super) struct PreparedBodies<'m> {
     pool: &'m Pool<SearchScratch>,
     /// Holds the lifetimes.
     memory: Pooled<'m, SearchScratch>,
+    /// Threads that share the work.
+    threads: usize,
 }
 
 impl<'m> PreparedBodies<'m> {
-    /// Lists when all bodies exist, in memory of a pool.
-    pub(super) fn of(table: BodyTable<'m>, limits: Limits, pool: &'m Pool<SearchScratch>) -> Self {
-        let mut bodies = Self::unlisted(table, limits, pool);
-        let lives = table.monitored.present(0..table.monitored.len());
-        bodies.memory.lifetimes.fill(lives.map(|(life, _)| life));
-        bodies
-    }
-
-    fn unlisted(table: BodyTable<'m>, limits: Limits, pool: &'m Pool<SearchScratch>) -> Self {
-        Self {
-            table,
-            limits,
-            pool,
-            memory: pool.take(),
-        }
-    }
-
-    /// Lists when all bodies exist, and returns the statistics of a window (s): the bodies are read once.
+    /// Lists when all bodies exist, in memory of a pool, and returns the statistics of a window (s): the bodies are read
+    /// once. So many threads share the work.
     pub(super) fn in_window(
         table: BodyTable<'m>,
         limits: Limits,
         pool: &'m Pool<SearchScratch>,
-        window: (f64, f64),
+        (window, threads): ((f64, f64), usize),
     ) -> (Self, SceneStatistics) {
         /// Slots that one thread goes through together.
         const SHARE: usize = 1024;
         let mut statistics = SceneStatistics::default();
-        let mut bodies = Self::unlisted(table, limits, pool);
-        let lifetimes = &mut bodies.memory.lifetimes;
+        let mut memory = pool.take();
+        let lifetimes = &mut memory.lifetimes;
         let (monitored, count) = (table.monitored, table.monitored.len());
-        if parallel::threads() > 1 && count > 2 * SHARE {
+        if threads > 1 && count > 2 * SHARE {
             let lists = lifetimes.room(count).chunks_mut(SHARE);
             let shares = lists.map(|lives| (lives, SceneStatistics::default()));
             let mut shares: Vec<_> = shares.collect();
@@ -76,6 +62,13 @@ impl<'m> PreparedBodies<'m> {
                 life
             }));
         }
+        let bodies = Self {
+            table,
+            limits,
+            pool,
+            memory,
+            threads,
+        };
         (bodies, statistics)
     }
 
@@ -84,12 +77,11 @@ impl<'m> PreparedBodies<'m> {
         self.memory.lifetimes.len()
     }
 
-    /// Appends the spans in some slices to a list, as [`WindowSearch::spans`] does, on so many threads.
+    /// Appends the spans in some slices to a list, as [`WindowSearch::spans`] does.
     pub(super) fn list_spans(
         &self,
         slicing: (&TimeSlices<'_>, &SceneStatistics),
         filter: &PairAdmission<'_>,
-        threads: usize,
         found: (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let search = WindowSearch {
@@ -102,7 +94,7 @@ impl<'m> PreparedBodies<'m> {
             method: Method::Sweep,
             instructions: InstructionSet::best(),
             pool: self.pool,
-            threads,
+            threads: self.threads,
         };
         search.spans(slicing, filter, &|_| {}, found)
     }
@@ -142,7 +134,7 @@ impl<'m> PreparedBodies<'m> {
     }
 
     /// Returns the statistics of a window (s) on which the number of slices depends.
-    pub(super) fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
+    fn statistics(&self, window: (f64, f64)) -> SceneStatistics {
         let mut statistics = SceneStatistics::default();
         let monitored = self.table.monitored;
         for (life, cubics) in monitored.present(0..monitored.len()) {

@@ -34,7 +34,14 @@ impl LookaheadSearch {
         let limits = self.limits();
         let scene = work.admission.scene;
         let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
-        let bodies = PreparedBodies::of(table, limits, &self.search_pool);
+        let pool = &self.search_pool;
+        let threads = if work.meter.is_unlimited() {
+            parallel::threads()
+        } else {
+            1
+        };
+        let window = ((from, to), threads);
+        let (bodies, _) = PreparedBodies::in_window(table, limits, pool, window);
         let times = (from, to, self.grid.length);
         self.jump.cross(times, &bodies, work, &mut self.survivors)
     }
@@ -68,12 +75,14 @@ impl LookaheadSearch {
         let table = BodyTable::of(admission.scene, &self.monitored, &self.grid, self.margin);
         let begin = Instant::now();
         let pool = &self.search_pool;
-        let (bodies, statistics) = PreparedBodies::in_window(table, limits, pool, window);
+        let threads = parallel::threads();
+        let (bodies, statistics) =
+            PreparedBodies::in_window(table, limits, pool, (window, threads));
         let slicing = (&bodies.slices_of_search_length(window), &statistics);
         work.stats.bounds_time += begin.elapsed();
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
-        bodies.list_spans(slicing, admission, parallel::threads(), found)?;
+        bodies.list_spans(slicing, admission, found)?;
         if admission.gives_up() {
             return Ok(());
         }

@@ -15,12 +15,12 @@ impl LookaheadSlice {
         // Late on the clock they may be shorter than the way to the next instant.
         let end = (from + SLICES * bodies.search_length).max(from.next_up());
         let end = end.min(self.interval.1);
-        let prepared = PreparedBodies::of(*bodies, task.limits, task.pool);
+        let (prepared, statistics) =
+            PreparedBodies::in_window(*bodies, task.limits, task.pool, ((from, end), 1));
         let before = self.stats.boxes;
-        let slices = prepared.slices_of_search_length((from, end));
-        let slicing = (&slices, &prepared.statistics((from, end)));
+        let slicing = (&prepared.slices_of_search_length((from, end)), &statistics);
         let found = (&mut self.survivors, &mut self.stats);
-        let done = prepared.list_spans(slicing, filter, 1, found);
+        let done = prepared.list_spans(slicing, filter, found);
         self.has_exceeded_limit |= done.is_err();
         if !filter.gives_up() {
             self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);
