@@ -8,8 +8,7 @@ use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
 use crate::search::{
-    Bodies, BoxedBodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SlicesToForm,
-    SourcesInPlace,
+    Bodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SourcesInPlace,
 };
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
@@ -35,12 +34,6 @@ impl Bodies for BodyTable<'_> {
     fn fetch(&self, body: u32) {
         self.scene.prefetch(body);
         self.monitored.prefetch(body);
-    }
-}
-
-impl BoxedBodies for BodyTable<'_> {
-    fn form(&self, slices: SlicesToForm<'_>) {
-        slices.form_in_place(self);
     }
 }
 

@@ -207,12 +207,6 @@ impl Bodies for BodiesInPlace<'_> {
     }
 }
 
-impl BoxedBodies for BodiesInPlace<'_> {
-    fn form(&self, slices: SlicesToForm<'_>) {
-        slices.form_in_place(self);
-    }
-}
-
 impl SourcesInPlace for BodiesInPlace<'_> {
     type Cubic = CompactCubic;
 

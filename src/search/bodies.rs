@@ -1,6 +1,6 @@
 //! The bodies of a search, under dense numbers.
 
-use super::form_slices::SlicesToForm;
+use super::form_slices::{SlicesToForm, SourcesInPlace};
 use crate::bounds::HullTest;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
@@ -40,4 +40,10 @@ pub(crate) trait Bodies: Sync {
 pub(crate) trait BoxedBodies: Bodies {
     /// Forms the boxes and fat lines of some bodies in a few slices.
     fn form(&self, slices: SlicesToForm<'_>);
+}
+
+impl<B: Bodies + SourcesInPlace> BoxedBodies for B {
+    fn form(&self, slices: SlicesToForm<'_>) {
+        slices.form_in_place(self);
+    }
 }
