@@ -19,11 +19,7 @@ use std::slice::from_ref;
 pub(super) struct BodyTable<'m> {
     pub(super) scene: &'m Scene,
     pub(super) monitored: &'m MonitoredBodies,
-    pub(super) frame: &'m MovingFrame,
-    /// Length of the slices in which all bodies are searched from nothing, s.
-    pub(super) search_length: f64,
-    /// Largest margin of the pairs that are searched for, m.
-    pub(super) margin: f64,
+    pub(super) grid: &'m Grid,
 }
 
 impl Bodies for BodyTable<'_> {
@@ -46,7 +42,7 @@ impl SourcesInPlace for BodyTable<'_> {
         if !monitored.has_partner {
             return None;
         }
-        let bounds = (&monitored.padding, &**self.frame);
+        let bounds = (&monitored.padding, &*self.grid.frame);
         StraightPieces::over(&body.trajectory, monitored.before(), interval, bounds)
     }
 
@@ -68,19 +64,16 @@ impl SourcesInPlace for BodyTable<'_> {
 }
 
 impl<'m> BodyTable<'m> {
-    /// Returns the bodies of a scene in the frame of a grid, for pairs within a margin (m).
+    /// Returns the bodies of a scene, with boxes on a grid.
     pub(super) const fn of(
         scene: &'m Scene,
         monitored: &'m MonitoredBodies,
         grid: &'m Grid,
-        margin: f64,
     ) -> Self {
         Self {
             scene,
             monitored,
-            frame: &grid.frame,
-            search_length: grid.search_length,
-            margin,
+            grid,
         }
     }
 
@@ -104,14 +97,15 @@ impl<'m> BodyTable<'m> {
     /// Returns the source of a body's boxes; without a partner, that of a body that never exists.
     #[inline(always)]
     pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
+        let frame = &self.grid.frame;
         let found = self.monitored.with_body(self.scene, slot);
         match found.filter(|(monitored, _)| monitored.has_partner) {
             Some((monitored, body)) => {
                 let plan = &body.trajectory;
                 let cubics = (monitored.knots(plan), plan.cubics());
-                CubicSource::plain(cubics, &monitored.padding, self.frame)
+                CubicSource::plain(cubics, &monitored.padding, frame)
             }
-            None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, self.frame),
+            None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, frame),
         }
     }
 
@@ -126,7 +120,7 @@ impl<'m> BodyTable<'m> {
         let instructions = InstructionSet::best();
         instructions.run(FormInPlace {
             instructions,
-            frame: self.frame,
+            frame: &self.grid.frame,
             bodies: self,
             present: slots,
             ends,

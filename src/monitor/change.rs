@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{ChangeContext, Command, CommandBatch, PairRule};
 use super::event::EndReason;
 use super::grid::{Grid, GridReview, SceneEstimate};
-use super::lookahead::push_once;
+use super::lookahead::{LookaheadSearch, push_once};
 use super::monitored_bodies::MonitoredBody;
 use super::read::LevelCaches;
 #[cfg(feature = "recording")]
@@ -384,7 +384,7 @@ impl Monitor {
     pub(super) fn change_context(&self) -> Result<ChangeContext<'_>, Error> {
         let end = self.search.plans_needed_until(self.now + self.lookahead);
         Ok(ChangeContext {
-            margin_and_frame: self.search.margin_and_frame(),
+            grid: &self.search.grid,
             window: Window::new(self.reported, end)?,
             now: self.now,
             forget_before: self.reported - self.history,
@@ -408,7 +408,7 @@ impl Monitor {
 
     /// Drops all state derived from the scene, and starts again on this grid.
     pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
-        let renewed = self.search.renewed(grid);
+        let renewed = LookaheadSearch::new(grid, self.search.max_spans);
         let before = std::mem::replace(&mut self.search, renewed);
         if let Err(error) = self.prepare_all_bodies() {
             self.search = before;
@@ -428,9 +428,9 @@ impl Monitor {
     /// suits the scene is replaced, too, if the tick may wait for the rebuild: it has no budget and does
     /// not lag.
     pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
-        let (margin, _) = self.search.margin_and_frame();
         let lookahead = (self.reported, self.lookahead);
         let grid = &self.search.grid;
+        let margin = grid.margin;
         let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
         if can_stay {
             let bodies = self.scene.len();
@@ -440,12 +440,12 @@ impl Monitor {
             self.grid_review = GridReview::after_comparison(bodies, now);
             let velocity = grid.frame.velocity();
             let estimate = SceneEstimate::of(&self.scene, margin, lookahead, velocity);
-            if grid.suits(&self.scene, margin, &estimate) {
+            if grid.suits(&self.scene, &estimate) {
                 return Ok(());
             }
         }
         let other = Grid::for_scene(&self.scene, margin, lookahead, now)?;
-        if can_stay && self.search.grid.serves(&self.scene, margin, &other) {
+        if can_stay && self.search.grid.serves(&self.scene, &other) {
             self.grid_review.was_in_vain();
             self.search.grid.confirm(&other);
             return Ok(());

@@ -1,7 +1,7 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
+use super::grid::Grid;
 use super::monitored_bodies::MonitoredBody;
-use crate::bounds::Frame;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -50,8 +50,7 @@ pub enum Command {
 /// The context in which all changes are prepared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeContext<'m> {
-    /// Largest margin (m), and the frame of boxes.
-    pub(super) margin_and_frame: (f64, &'m Frame),
+    pub(super) grid: &'m Grid,
     /// Window over which plans are followed.
     pub(super) window: Window,
     /// The clock of the last tick, s.
@@ -68,7 +67,7 @@ impl ChangeContext<'_> {
         shape: BodyShape<'_>,
         tag: u64,
     ) -> Result<MonitoredBody, Error> {
-        let monitored = MonitoredBody::of(trajectory, shape, self.margin_and_frame, self.window);
+        let monitored = MonitoredBody::of(trajectory, shape, self.grid, self.window);
         monitored.map_err(|error| error.in_body(tag))
     }
 

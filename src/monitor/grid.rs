@@ -1,10 +1,11 @@
 //! The grid of a monitor: the frame of its boxes, and its slices of time. Both are chosen for its scene.
 
-use crate::bounds::{DAabb, Frame, MovingFrame};
+use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
 use crate::count::as_f64;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::query::Query;
 use crate::scene::Scene;
+use crate::shape::BodyShape;
 use crate::window::Window;
 use glam::DVec3;
 
@@ -12,6 +13,8 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) frame: MovingFrame,
+    /// Largest margin of the pairs that are searched for, m.
+    pub(super) margin: f64,
     /// Beginning of slice 0, s.
     pub(super) origin: f64,
     /// Length of a slice, s.
@@ -147,6 +150,7 @@ impl Grid {
         let estimate = SceneEstimate::of(scene, margin, (origin, lookahead), velocity);
         let grid = Self {
             frame: Frame::amid(scene.extremes(), estimate.middle, margin.abs()).moving(velocity),
+            margin,
             origin,
             length: lookahead / slice_count,
             search_length: lookahead / cheapest,
@@ -170,6 +174,11 @@ impl Grid {
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
     }
 
+    /// Returns the padding of the boxes of bodies of a shape.
+    pub(super) fn padding(&self, shape: BodyShape<'_>) -> Padding {
+        Padding::of(shape, self.margin, &self.frame)
+    }
+
     /// Returns the beginning of a slice, s.
     #[allow(
         clippy::cast_precision_loss,
@@ -180,22 +189,22 @@ impl Grid {
     }
 
     /// Returns true if the grid still suits a scene, given an estimate of the scene as it is now.
-    pub(super) fn suits(&self, scene: &Scene, margin: f64, estimate: &SceneEstimate) -> bool {
+    pub(super) fn suits(&self, scene: &Scene, estimate: &SceneEstimate) -> bool {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
         let [before, now] =
             [&self.estimate, estimate].map(|estimate| Self::number(estimate.slices, scene.len()));
         let is_alike = now <= FEW * before && before <= FEW * now;
-        let frame = Frame::around(self.estimate.middle, margin.abs());
-        is_alike && frame.suits(estimate.middle, estimate.middle, margin.abs())
+        let frame = Frame::around(self.estimate.middle, self.margin.abs());
+        is_alike && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
     }
 
     /// Returns true if the grid serves a scene about as well as another grid that was chosen for it.
-    pub(super) fn serves(&self, scene: &Scene, margin: f64, other: &Self) -> bool {
+    pub(super) fn serves(&self, scene: &Scene, other: &Self) -> bool {
         let is_alike = self.slice_count <= 1.5 * other.slice_count
             && other.slice_count <= 1.5 * self.slice_count;
         let most = other.estimate.middle;
-        is_alike && self.frame.suits(scene.extremes(), most, margin.abs())
+        is_alike && self.frame.suits(scene.extremes(), most, self.margin.abs())
     }
 
     /// Notes that the grid suits the scene as it is now, too.

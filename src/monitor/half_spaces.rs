@@ -173,7 +173,7 @@ impl PlaneSearch<'_> {
         let body = LazyCell::new(|| bodies.view(slot));
         for plane in planes {
             // As far as it is compared.
-            if since >= self.since && plane.is_below(entry, interval, bodies.margin) {
+            if since >= self.since && plane.is_below(entry, interval, bodies.grid.margin) {
                 next = next.min(self.until);
                 continue;
             }
@@ -212,7 +212,7 @@ impl PlaneSearch<'_> {
                 return span.start;
             }
             let part = (since, self.until.max(since));
-            if may_touch(a, b, span, self.bodies.margin, part) {
+            if may_touch(a, b, span, self.bodies.grid.margin, part) {
                 self.found.push(SpanKey::of((first, second), span));
                 if is_turning && span.end > self.ahead {
                     // Of a span that may last for ever, a part is solved.

@@ -26,7 +26,6 @@ use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch, SliceTask};
 use super::slot_set::SlotSet;
 use super::solved_spans::{SlotPair, SolvedSpans};
-use crate::bounds::{Frame, Padding};
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
 use crate::narrow_phase::BodyView;
@@ -52,7 +51,6 @@ use std::sync::atomic::Ordering::Relaxed;
 pub(super) struct LookaheadSearch {
     pub(super) monitored: MonitoredBodies,
     pub(super) solved: SolvedSpans,
-    margin: f64,
     pub(super) grid: Grid,
     /// Slices of the lookahead, and the next one.
     slices: VecDeque<LookaheadSlice>,
@@ -89,12 +87,11 @@ impl LookaheadSearch {
     /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
 
-    /// Returns a search for pairs within `margin` (m) on a grid, with room for so many spans.
-    pub(super) fn new(margin: f64, grid: Grid, max_spans: usize) -> Self {
+    /// Returns a search without bodies, on a grid, with room for so many spans.
+    pub(super) fn new(grid: Grid, max_spans: usize) -> Self {
         Self {
             monitored: MonitoredBodies::default(),
             solved: SolvedSpans::default(),
-            margin,
             grid,
             slices: VecDeque::new(),
             spare: Vec::new(),
@@ -116,19 +113,9 @@ impl LookaheadSearch {
         }
     }
 
-    /// Returns a search without bodies, on a grid.
-    pub(super) fn renewed(&self, grid: Grid) -> Self {
-        Self::new(self.margin, grid, self.max_spans)
-    }
-
     /// Returns true if anything has changed since the last catching up.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.changed.slots().is_empty() && self.left_out.is_empty())
-    }
-
-    /// Returns the largest margin of pairs (m), and the frame of boxes.
-    pub(super) fn margin_and_frame(&self) -> (f64, &Frame) {
-        (self.margin, &self.grid.frame)
     }
 
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
@@ -157,14 +144,13 @@ impl LookaheadSearch {
 
     /// Replaces the shape of the body in a slot. Its solved spans are dropped, and searched for again.
     pub(super) fn reshape(&mut self, slot: u32, shape: BodyShape<'_>) {
-        let padding = Padding::of(shape, self.margin, &self.grid.frame);
-        self.monitored.set_padding(slot, padding);
+        self.monitored.set_padding(slot, self.grid.padding(shape));
         self.mark_changed(slot);
     }
 
     /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
-        let partners = scene.partners(self.margin);
+        let partners = scene.partners(self.grid.margin);
         let version = Some(partners.version());
         let has = |slot: u32| {
             scene
@@ -256,7 +242,7 @@ impl LookaheadSearch {
             if !self.monitored.half_spaces().is_empty() {
                 // First: slices, and the search over a jump, go on no farther than half-spaces are known.
                 let begin = Instant::now();
-                let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+                let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
                 let times = (from, to, self.plans_needed_until(to));
                 let found = (&mut self.survivors, self.max_spans);
                 known = self.half_spaces.list_spans(&bodies, times, work, found)?;
@@ -266,7 +252,7 @@ impl LookaheadSearch {
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
-            let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+            let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
             self.solved.forget_before(from);
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
@@ -281,7 +267,7 @@ impl LookaheadSearch {
     }
 
     fn bodies<'s>(&'s self, scene: &'s Scene) -> BodyTable<'s> {
-        BodyTable::of(scene, &self.monitored, &self.grid, self.margin)
+        BodyTable::of(scene, &self.monitored, &self.grid)
     }
 
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. Lists survivors, as
@@ -364,7 +350,7 @@ impl LookaheadSearch {
     fn refresh_together(&mut self, needed: usize, work: &mut TickWork<'_>) -> (Option<i64>, bool) {
         let (limits, most) = (self.limits(), self.max_spans);
         let scene = work.admission.scene;
-        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
         let slices = self.slices.make_contiguous();
         let begin = Instant::now();
         let is_boxed = slices[..needed].iter().any(LookaheadSlice::is_placed);
@@ -413,7 +399,7 @@ impl LookaheadSearch {
     ) -> (Option<i64>, bool) {
         let limits = self.limits();
         let scene = work.admission.scene;
-        let bodies = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
         let task = SliceTask {
             bodies: &bodies,
             filter: &work.admission,

@@ -1,7 +1,8 @@
 //! Monitored bodies: facts about each body's plan and hitbox, by slot. Plans without end are followed as far as the
 //! lookahead reaches, and some way beyond.
 
-use crate::bounds::{Frame, Padding};
+use super::grid::Grid;
+use crate::bounds::Padding;
 use crate::count::short;
 use crate::error::Error;
 use crate::knots::Knots;
@@ -42,11 +43,11 @@ pub(super) struct MonitoredBody {
 }
 
 impl MonitoredBody {
-    /// Prepares a plan over `window`, for pairs within `margin` (m) in `frame`.
+    /// Prepares a plan over `window`, for boxes on a grid.
     pub(super) fn of(
         trajectory: &Trajectory,
         shape: BodyShape<'_>,
-        (margin, frame): (f64, &Frame),
+        grid: &Grid,
         window: Window,
     ) -> Result<Self, Error> {
         let mut monitored = Self {
@@ -59,7 +60,7 @@ impl MonitoredBody {
             is_endless: false,
             has_partner: true,
             is_half_space: shape.is_half_space(),
-            padding: Padding::of(shape, margin, frame),
+            padding: grid.padding(shape),
         };
         monitored.replan(trajectory, window)?;
         Ok(monitored)

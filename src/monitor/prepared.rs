@@ -87,9 +87,9 @@ impl<'m> PreparedBodies<'m> {
         let search = WindowSearch {
             bodies: self.table,
             lifetimes: &self.memory.lifetimes,
-            frame: self.table.frame,
+            frame: &self.table.grid.frame,
             window: Window::ALL,
-            margin: self.table.margin,
+            margin: self.table.grid.margin,
             limits: self.limits,
             method: Method::Sweep,
             instructions: InstructionSet::best(),
@@ -101,7 +101,7 @@ impl<'m> PreparedBodies<'m> {
 
     /// Returns a window (s) in slices of the grid's `search_length`, which suits the whole lookahead.
     pub(super) fn slices_of_search_length(&self, (from, to): (f64, f64)) -> TimeSlices<'static> {
-        let count = ((to - from) / self.table.search_length).round();
+        let count = ((to - from) / self.table.grid.search_length).round();
         TimeSlices::whole(from, to).with_count(count)
     }
 
@@ -117,7 +117,7 @@ impl<'m> PreparedBodies<'m> {
         let count = ((to - from) / length).min(statistics.most_slices((from, to)));
         let trials = SliceTrials {
             lifetimes: &self.memory.lifetimes,
-            frame: self.table.frame,
+            frame: &self.table.grid.frame,
             limits: self.limits,
             instructions: InstructionSet::best(),
             pool: self.pool,

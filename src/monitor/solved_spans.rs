@@ -85,8 +85,8 @@ impl SolvedSpans {
             count += 1;
             let span = key.span(&a.knots, &b.knots);
             let before = added;
-            let part = (window, after);
-            let solved_until = solve(&a, &b, span, bodies.margin, part, |interval, solved| {
+            let (part, margin) = ((window, after), bodies.grid.margin);
+            let solved_until = solve(&a, &b, span, margin, part, |interval, solved| {
                 self.spans.add(key, interval, solved);
                 added += 1;
             });

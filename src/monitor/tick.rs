@@ -118,7 +118,7 @@ impl Monitor {
         let end = now + self.lookahead;
         self.choose_grid(now, meter.is_unlimited() && self.reported >= self.now)?;
         self.search.extend_beyond(&self.scene, end)?;
-        let (margin, _) = self.search.margin_and_frame();
+        let margin = self.search.grid.margin;
         let interrupt = self.interrupt.as_deref();
         let is_interrupted = || interrupt.is_some_and(Interrupt::is_requested);
         let mut work = TickWork {

@@ -52,7 +52,7 @@ impl Monitor {
         let checked = Body::check_turning(&body.hitbox, orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;
         let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
-        let (margin, _) = self.search.margin_and_frame();
+        let margin = self.search.grid.margin;
         let filter = PairAdmission::of(&self.scene, margin, &|| false);
         let admits = |other: u32| filter.admits(id.slot.min(other), id.slot.max(other));
         let found = self.conflicts_on((id, body.tag), (plan, shape), alert.margin, &admits);

@@ -29,7 +29,7 @@ impl LookaheadSearch {
         mut visit: impl FnMut(u32, (f64, f64), &BodyView<'_>, &Contact),
     ) {
         let mut neighbours = self.neighbours(scene, (monitored, own), (from, to));
-        let have_partners = scene.len() > 1 && scene.admits_all(self.margin);
+        let have_partners = scene.len() > 1 && scene.admits_all(self.grid.margin);
         if scene.in_slot(slot).is_none() && !have_partners {
             // It may be the first partner of bodies that are in no slice.
             let (from, to) = exact_interval((from, to));

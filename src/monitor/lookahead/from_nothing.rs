@@ -33,7 +33,7 @@ impl LookaheadSearch {
     ) -> Result<Option<f64>, LimitExceeded> {
         let limits = self.limits();
         let scene = work.admission.scene;
-        let table = BodyTable::of(scene, &self.monitored, &self.grid, self.margin);
+        let table = BodyTable::of(scene, &self.monitored, &self.grid);
         let pool = &self.search_pool;
         let threads = if work.meter.is_unlimited() {
             parallel::threads()
@@ -72,7 +72,7 @@ impl LookaheadSearch {
         let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
         let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
-        let table = BodyTable::of(admission.scene, &self.monitored, &self.grid, self.margin);
+        let table = BodyTable::of(admission.scene, &self.monitored, &self.grid);
         let begin = Instant::now();
         let pool = &self.search_pool;
         let threads = parallel::threads();

@@ -35,7 +35,7 @@ impl LookaheadSlice {
         } else {
             self.query_index.get_or_init(|| self.index_of(bodies))
         };
-        form(bodies.frame, source, &self.ends(), block);
+        form(&bodies.grid.frame, source, &self.ends(), block);
         let own = &block.slices[0];
         met.clear();
         index.boxes.meeting(&own.boxes, search, |_, slot| {

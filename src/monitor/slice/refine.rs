@@ -13,7 +13,7 @@ impl LookaheadSlice {
         const SLICES: f64 = 8.0;
         let SliceTask { bodies, filter, .. } = *task;
         // Late on the clock they may be shorter than the way to the next instant.
-        let end = (from + SLICES * bodies.search_length).max(from.next_up());
+        let end = (from + SLICES * bodies.grid.search_length).max(from.next_up());
         let end = end.min(self.interval.1);
         let (prepared, statistics) =
             PreparedBodies::in_window(*bodies, task.limits, task.pool, ((from, end), 1));
@@ -39,7 +39,7 @@ impl LookaheadSlice {
             fat_lines: &self.index.fat_lines,
             interval: self.interval,
             window: Window::ALL,
-            margin: bodies.margin,
+            margin: bodies.grid.margin,
             max_spans: usize::MAX,
         };
         let changed = &self.changed;
