@@ -23,39 +23,30 @@ pub(super) struct Convex {
 /// less.
 const EVEN: f64 = 5e-7;
 
-/// The half-spaces behind the polygons of a hull.
-struct Faces {
-    half_spaces: Vec<HalfSpace>,
-    unevenness: f64,
-}
-
-impl Faces {
-    /// The plane of each polygon is moved inward until the polygon lies outside of it. The polygon is then in a
-    /// layer of a thickness t, beyond which there is no point of the hull. Take a point of the hull that is not
-    /// within what the polygons bound. On its way to the inner point it meets one of them after a share t / (t + d)
-    /// at most, where d is the depth of the inner point below the layer.
-    ///
-    /// A hull without depth is all surface, and no point is farther from it than its layers are thick.
-    fn new(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> Self {
-        const NO_DEPTH: f64 = 1e-10;
-        let farthest = points.iter().map(|point| point.distance(inner));
-        let farthest = farthest.fold(0.0, f64::max);
-        let mut faces = Self {
-            half_spaces: Vec::new(),
-            unevenness: 0.0,
+/// Returns the half-spaces behind the polygons of a hull, and the hull's unevenness.
+///
+/// The plane of each polygon is moved inward until the polygon lies outside of it. The polygon is then in a
+/// layer of a thickness t, beyond which there is no point of the hull. Take a point of the hull that is not
+/// within what the polygons bound. On its way to the inner point it meets one of them after a share t / (t + d)
+/// at most, where d is the depth of the inner point below the layer.
+///
+/// A hull without depth is all surface, and no point is farther from it than its layers are thick.
+fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<HalfSpace>, f64) {
+    const NO_DEPTH: f64 = 1e-10;
+    let farthest = points.iter().map(|point| point.distance(inner));
+    let farthest = farthest.fold(0.0, f64::max);
+    let (mut half_spaces, mut unevenness) = (Vec::new(), 0.0_f64);
+    for (half_space, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
+        let depth = (-half_space.height(inner)).max(0.0);
+        let beyond = if depth > NO_DEPTH {
+            farthest * layer / (layer + depth)
+        } else {
+            layer
         };
-        for (half_space, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
-            let depth = (-half_space.height(inner)).max(0.0);
-            let beyond = if depth > NO_DEPTH {
-                farthest * layer / (layer + depth)
-            } else {
-                layer
-            };
-            faces.unevenness = faces.unevenness.max(beyond);
-            faces.half_spaces.push(half_space);
-        }
-        faces
+        unevenness = unevenness.max(beyond);
+        half_spaces.push(half_space);
     }
+    (half_spaces, unevenness)
 }
 
 impl Convex {
@@ -70,19 +61,16 @@ impl Convex {
             SolidForm::Hull { points, polygons } => {
                 let count = as_f64(points.len().max(1));
                 let inner = points.iter().sum::<DVec3>() / count;
-                let mut faces = Faces::new(points, polygons, inner);
+                let mut found = faces(points, polygons, inner);
                 // parry3d joins triangles that are nearly in one plane, and their neighbours to these.
-                let is_even = faces.unevenness <= EVEN;
+                let is_even = found.1 <= EVEN;
                 if !(is_even && is_closed(polygons.iter().map(Vec::as_slice)))
                     && let Some(triangles) = convex_hull(points)
                 {
-                    faces = Faces::new(points, &triangles, inner);
+                    found = faces(points, &triangles, inner);
                     *polygons = triangles;
                 }
-                Faces {
-                    half_spaces: convex.faces,
-                    unevenness: convex.unevenness,
-                } = faces;
+                (convex.faces, convex.unevenness) = found;
                 inner
             }
             SolidForm::Round(round) => {

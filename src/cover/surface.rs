@@ -169,9 +169,6 @@ impl Surface {
         let heights = &scratch.heights;
         scratch.crossings.clear();
         for polygon in self.polygons() {
-            if side(polygon, heights) != PolygonSide::Both {
-                continue;
-            }
             for (from, to) in edges(polygon) {
                 match (heights[from] <= 0.0, heights[to] <= 0.0) {
                     (true, false) => scratch.crossings.push((from, to)),
@@ -213,29 +210,23 @@ impl ClipScratch {
             ..
         } = self;
         let first_new = result.points.len() - crossings.len();
-        match side(polygon, heights) {
-            PolygonSide::Outside => return,
-            PolygonSide::Inside => {
-                let kept = polygon.iter().map(|&corner| numbers[corner]);
-                result.corners.extend(kept);
+        let before = result.corners.len();
+        for (from, to) in edges(polygon) {
+            let inside = heights[from] <= 0.0;
+            if inside {
+                result.corners.push(numbers[from]);
             }
-            PolygonSide::Both => {
-                for (from, to) in edges(polygon) {
-                    let inside = heights[from] <= 0.0;
-                    if inside {
-                        result.corners.push(numbers[from]);
-                    }
-                    if inside == (heights[to] <= 0.0) {
-                        continue;
-                    }
-                    let edge = if inside { (from, to) } else { (to, from) };
-                    let at = first_new + crossings.partition_point(|&other| other < edge);
-                    result.corners.push(at);
-                    self.face_crossings.push((at, inside));
-                }
+            if inside == (heights[to] <= 0.0) {
+                continue;
             }
+            let edge = if inside { (from, to) } else { (to, from) };
+            let at = first_new + crossings.partition_point(|&other| other < edge);
+            result.corners.push(at);
+            self.face_crossings.push((at, inside));
         }
-        result.end_polygon(result.ends.len() == self.before_face.1);
+        if result.corners.len() > before {
+            result.end_polygon(result.ends.len() == self.before_face.1);
+        }
     }
 
     /// Notes where the face is cut, and begins the next one.
@@ -320,28 +311,6 @@ fn join(edges: &mut Vec<(usize, usize)>, result: &mut Surface) {
             last = edges.remove(next).1;
         }
         result.end_polygon(result.ends.len() == before);
-    }
-}
-
-/// The side of a surface on which a polygon lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PolygonSide {
-    Inside,
-    Outside,
-    Both,
-}
-
-fn side(polygon: &[usize], heights: &[f64]) -> PolygonSide {
-    let (mut some_in, mut some_out) = (false, false);
-    for &corner in polygon {
-        let is_in = heights[corner] <= 0.0;
-        some_in |= is_in;
-        some_out |= !is_in;
-    }
-    match (some_in, some_out) {
-        (true, true) => PolygonSide::Both,
-        (true, false) => PolygonSide::Inside,
-        (false, _) => PolygonSide::Outside,
     }
 }
 
