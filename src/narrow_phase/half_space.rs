@@ -143,15 +143,17 @@ impl<'a> PlanePair<'a> {
     /// matter.
     fn is_far_above(&self, margin: f64, part: Span) -> bool {
         let [body, plane] = &self.segments();
-        let range = |segment| SegmentHeights::of(segment, (part.start, part.end), self.normal);
+        let range = |segment| HeightRange::of_segment(segment, (part.start, part.end), self.normal);
         let (Some(body), Some(plane)) = (range(body), range(plane)) else {
             return false;
         };
         let bounding = self.body.bounding;
-        let reach = bounding.radius + bounding.offset.abs().element_sum();
-        let size = body.size + plane.size + reach + margin.abs();
-        let least = body.low + bounding.offset.dot(self.normal) - bounding.radius - plane.high;
-        least > margin + PLANE_CLEARANCE * size
+        let centre = HeightRange {
+            low: body.low + bounding.offset.dot(self.normal),
+            size: body.size + bounding.offset.abs().element_sum(),
+            ..body
+        };
+        centre.is_above(&plane, bounding.radius, margin)
     }
 
     /// Returns the magnitude to which all rounding over a part of the span is relative, m.
@@ -246,18 +248,26 @@ impl<'a> PlanePair<'a> {
     }
 }
 
-/// Bounds of a segment's coordinate along a normal, rounding apart, m.
+/// The lowest and the highest coordinate of a motion along a normal, rounding apart, m.
 #[derive(Clone, Copy, Debug)]
-struct SegmentHeights {
-    low: f64,
-    high: f64,
-    /// Magnitude to which its rounding is relative, m.
-    size: f64,
+pub(crate) struct HeightRange {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    /// Magnitude of the coordinates, to which their rounding is relative, m.
+    pub(crate) size: f64,
 }
 
-impl SegmentHeights {
-    /// Returns the bounds over an interval (s), if they are found quickly.
-    fn of(segment: &Segment, (from, to): (f64, f64), normal: DVec3) -> Option<Self> {
+impl HeightRange {
+    /// Returns true if a body with these heights, whose spheres reach so far (m), is certainly farther than
+    /// `margin` (m) above a half-space with those.
+    #[inline]
+    pub(crate) fn is_above(&self, ground: &Self, reach: f64, margin: f64) -> bool {
+        let size = self.size + ground.size + reach + margin.abs();
+        self.low - ground.high > reach + margin + PLANE_CLEARANCE * size
+    }
+
+    /// Returns the heights of a segment over an interval (s), if they are found quickly.
+    fn of_segment(segment: &Segment, (from, to): (f64, f64), normal: DVec3) -> Option<Self> {
         let origin = segment.origin();
         let heights = if segment.is_straight() {
             let ends = [from, to].map(|time| segment.motion_at(time).0.dot(normal));
