@@ -8,7 +8,7 @@ use super::random::Random;
 use super::refine::refined;
 use super::search::improve;
 use super::solid::{Solid, SolidPart};
-use super::starts::{deepest, even, lattices, pool, spread};
+use super::starts::{deepest, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
@@ -179,8 +179,7 @@ impl<'a> Fitter<'a> {
         let polished = parallel::map(found.len(), DescentScratch::default, |scratch, place| {
             self.polish(found[place].clone(), scratch)
         });
-        let by_overshoot = |a: &Certified, b: &Certified| a.overshoot.total_cmp(&b.overshoot);
-        let best = polished.into_iter().min_by(by_overshoot);
+        let best = polished.into_iter().reduce(better);
         best.unwrap_or_else(|| self.certify(&found[0]))
     }
 
@@ -225,9 +224,9 @@ impl<'a> Fitter<'a> {
         let mut random = Random::new(self.seed, u64::from(chain));
         let target = self.target();
         let mut best = None;
-        // The first chain begins with the best lattice, or with points all along the ridges.
+        // The first chain begins with the best lattice.
         if chain == 0 {
-            for centres in lattices(self.solid, count).chain(even(&self.ridges, count)) {
+            for centres in lattices(self.solid, count) {
                 let overshoot = scratch.measure(self.solid, &target, &centres, f64::NAN, 0.0);
                 let is_better = |best: &CoverCandidate| overshoot < best.overshoot;
                 if best.as_ref().is_none_or(is_better) {

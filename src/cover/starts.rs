@@ -45,64 +45,6 @@ pub(super) fn spread(pool: &[DVec3], count: usize, random: &mut Random) -> Vec<D
     centres
 }
 
-/// Returns some of the points, spread evenly over all: none if there are few for each. Lloyd's algorithm,
-/// from the farthest points of each other.
-///
-/// S. Lloyd: Least squares quantization in PCM (1982).
-pub(super) fn even(points: &[(DVec3, f64)], count: usize) -> Option<Vec<DVec3>> {
-    const ROUNDS: u32 = 64;
-    /// Points of each share.
-    const FEW: usize = 8;
-    if count * FEW > points.len() {
-        return None;
-    }
-    let mut centres = vec![points[0].0];
-    let mut squares = vec![f64::INFINITY; points.len()];
-    while centres.len() < count {
-        let last = centres[centres.len() - 1];
-        let mut farthest = (0.0, last);
-        for (square, &(point, _)) in squares.iter_mut().zip(points) {
-            *square = square.min(point.distance_squared(last));
-            if *square > farthest.0 {
-                farthest = (*square, point);
-            }
-        }
-        centres.push(farthest.1);
-    }
-    for _ in 0..ROUNDS {
-        let mut sums = vec![(DVec3::ZERO, 0.0); count];
-        for &(point, _) in points {
-            let (sum, number) = &mut sums[nearest(centres.iter().copied(), point)];
-            *sum += point;
-            *number += 1.0;
-        }
-        for (centre, (sum, number)) in centres.iter_mut().zip(sums) {
-            if number > 0.0 {
-                *centre = sum / number;
-            }
-        }
-    }
-    let all = || points.iter().map(|&(point, _)| point);
-    Some(
-        centres
-            .into_iter()
-            .map(|centre| points[nearest(all(), centre)].0)
-            .collect(),
-    )
-}
-
-/// Returns the number of the point that is nearest to a place.
-fn nearest(points: impl Iterator<Item = DVec3>, place: DVec3) -> usize {
-    let mut found = (f64::INFINITY, 0);
-    for (number, point) in points.enumerate() {
-        let square = point.distance_squared(place);
-        if square < found.0 {
-            found = (square, number);
-        }
-    }
-    found.1
-}
-
 /// Moves points to where the depth is locally greatest, or to a ridge of it, and returns them with their
 /// signed distances. Balls around such points contain much and reach out little.
 pub(super) fn deepest(
