@@ -13,7 +13,7 @@ use std::fmt;
 /// - A touch is reported at an instant that is rounded. A window that begins or ends at the exact instant may miss it by
 ///   that rounding.
 /// - With [`Accuracy::Certified`](crate::Accuracy::Certified), facts that cannot be decided at the
-///   window's ends are reported as unresolved. The proven error of a separation may differ.
+///   window's ends are reported as unresolved, and the enclosures of a conflict that the window cuts may differ.
 ///
 /// At a knot where its plan jumps, a body is at both positions, also at a window's end. That is not
 /// so for pairs in which the other body's plan also begins, ends or jumps at that instant. Where an orientation jumps, a

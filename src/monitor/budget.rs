@@ -1,5 +1,6 @@
 //! Limits of the work of a tick.
 
+use crate::parallel;
 use crate::scene::PairAdmission;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -18,7 +19,8 @@ pub enum Budget {
     /// is. A tick exceeds it by the time that sorting the boxes of one slice takes, and solving and reading
     /// what was found. That is most of the work where many bodies stay near each other. A far jump of the
     /// clock, and a slice with too many pairs, are searched in parts, each of them a search of all bodies: the budget
-    /// is checked between these. A tick with a budget searches on one thread.
+    /// is checked between these. Where most bodies change in each tick, the whole lookahead is searched in one piece, if the budget
+    /// of the tick before sufficed for about as much. A tick with a budget searches on one thread.
     /// Only dropping replaced plans, and reading what was found, may take a second one.
     ///
     /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
@@ -83,6 +85,15 @@ impl BudgetMeter {
 
     pub(super) fn is_unlimited(&self) -> bool {
         self.deadline.is_none() && self.limit.is_none() && self.until.is_none()
+    }
+
+    /// Returns the number of threads that may share the searches of the tick.
+    pub(super) fn threads(&self) -> usize {
+        if self.is_unlimited() {
+            parallel::threads()
+        } else {
+            1
+        }
     }
 
     pub(super) fn count(&mut self, work: usize) {

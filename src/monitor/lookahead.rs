@@ -79,6 +79,8 @@ pub(super) struct LookaheadSearch {
     last_end: f64,
     /// True if most was unknown at the last catching up.
     was_unknown: bool,
+    /// Number of slices that the last catching up had time for.
+    affordable: f64,
     /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
 }
@@ -109,6 +111,7 @@ impl LookaheadSearch {
             partners: None,
             last_end: grid.origin,
             was_unknown: false,
+            affordable: 0.0,
             max_spans,
         }
     }
@@ -290,7 +293,7 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if work.meter.is_unlimited() && self.is_unknown_again(needed) {
+        if self.is_unknown_again(needed) && self.may_screen(from, needed, &work.meter) {
             self.screen(from, needed, work)?;
             if !work.admission.gives_up() {
                 self.last_end = to;
@@ -330,6 +333,8 @@ impl LookaheadSearch {
         } else {
             self.refresh_one_by_one(from, needed, work)
         };
+        let first = self.slices[0].number;
+        self.affordable = stop.map_or(needed as f64, |number| (number - first) as f64);
         // An instant that is reported as the start of a slice may be found in that slice.
         let known = stop.map_or(to, |number| {
             let start = self.grid.start(number).max(from);

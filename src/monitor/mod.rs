@@ -94,8 +94,8 @@ use told_motions::ToldMotions;
 /// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
 /// first one.
 ///
-/// Without a budget, a tick is one screening of the lookahead if more than three quarters of the bodies
-/// changed before it and before the previous one. The next tick before which fewer bodies changed takes
+/// A tick is one screening of the lookahead if more than three quarters of the bodies changed before it and before
+/// the previous one; with a budget, only if that of the previous one sufficed for about as much. The next tick before which fewer bodies changed takes
 /// longer: it forms the boxes of all bodies, with which changed ones are compared from then on.
 ///
 /// # Threads

@@ -55,7 +55,7 @@ struct UncertainPair {
     pair: SpherePair,
     /// Its number in the order of solving.
     number: usize,
-    /// Number of its parts.
+    /// Number of its parts, also of those outside the window.
     count: usize,
 }
 
@@ -66,6 +66,8 @@ pub(super) struct VerdictInterval {
     end: f64,
     side: Verdict,
     member: usize,
+    /// True if the window cuts it.
+    is_cut: bool,
 }
 
 /// A member's parts in a group.
@@ -75,6 +77,7 @@ struct MemberSummary {
     /// Hull of its parts, s.
     start: f64,
     end: f64,
+    /// Number of those that the window does not cut.
     count: usize,
     /// True if it is certainly inside in one of them.
     is_inside: bool,
@@ -164,14 +167,14 @@ impl Workspace {
     ) -> &[VerdictInterval] {
         let first = self.parts.len();
         let number = self.members.len();
-        push_parts(pair, band, window, number, &mut self.parts);
+        let count = push_parts(pair, band, window, number, &mut self.parts);
         let parts = &self.parts[first..];
         if !parts.is_empty() {
             self.members.push(UncertainPair {
                 span,
                 pair: *pair,
                 number,
-                count: parts.len(),
+                count,
             });
         }
         parts
@@ -259,14 +262,16 @@ pub(crate) fn certified_approach(
     Some((approach, error, least.time))
 }
 
-/// Appends the clipped parts of a span in which a pair of spheres is not certainly apart.
+/// Appends the clipped parts of a span in which a pair of spheres is not certainly apart. Returns their number without
+/// the window.
 fn push_parts(
     pair: &SpherePair,
     band: &MarginBand,
     window: (f64, f64),
     member: usize,
     parts: &mut Vec<VerdictInterval>,
-) {
+) -> usize {
+    let mut count = 0;
     let threshold = band.threshold((pair.radius_a, pair.radius_b));
     let stretches = pair.uncertain().stretches(threshold);
     for &Stretch { first, last, side } in stretches.as_slice() {
@@ -281,6 +286,7 @@ fn push_parts(
         } else {
             (outer, Verdict::Undecided)
         };
+        count += 1;
         let (start, end) = (times.0.max(window.0), times.1.min(window.1));
         if start <= end {
             parts.push(VerdictInterval {
@@ -288,9 +294,11 @@ fn push_parts(
                 end,
                 side,
                 member,
+                is_cut: times.0 < start || times.1 > end,
             });
         }
     }
+    count
 }
 
 /// Returns an outward enclosure of the exact sum of two radii and a margin.
@@ -321,7 +329,7 @@ fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
         member: part.member,
         start: part.start,
         end: part.end,
-        count: 1,
+        count: usize::from(!part.is_cut),
         is_inside: part.side == Verdict::Inside,
     }));
     shares.sort_unstable_by_key(|share| share.member);
@@ -376,7 +384,7 @@ impl MergedConflict<'_> {
                 }
             });
         }
-        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error, window));
+        let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error));
         let (Some(least), Some((closest, _))) = (least, closest) else {
             unreachable!("a group has parts, and each part a member")
         };
@@ -408,7 +416,6 @@ impl MergedConflict<'_> {
         (a, b): (&BodyView<'_>, &BodyView<'_>),
         nearest: usize,
         error: f64,
-        window: (f64, f64),
     ) -> Option<SeparationEnclosure> {
         let mut least = LeastSeparationSearch::new(error);
         let others = (0..self.shares.len()).filter(|&index| index != nearest);
@@ -419,7 +426,7 @@ impl MergedConflict<'_> {
             if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
                 continue;
             }
-            let is_whole = self.is_all_of(share, span, window);
+            let is_whole = self.is_all_of(share);
             let times = (share.start, share.end);
             least.add((a, b), *span, pair, is_whole, times);
         }
@@ -450,12 +457,9 @@ impl MergedConflict<'_> {
     }
 
     /// Returns true if a member's least distance over its whole span is in its parts of this group:
-    /// it is certainly inside there, and certainly apart elsewhere in the span.
-    fn is_all_of(&self, share: &MemberSummary, span: &Span, window: (f64, f64)) -> bool {
-        window.0 <= span.start
-            && span.end <= window.1
-            && share.is_inside
-            && share.count == self.members[share.member].count
+    /// it is certainly inside there, and certainly apart elsewhere in the span, also outside the window.
+    fn is_all_of(&self, share: &MemberSummary) -> bool {
+        share.is_inside && share.count == self.members[share.member].count
     }
 }
 

@@ -293,3 +293,60 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
     let found = scene.screen(&query.with_margin(1.0)).unwrap();
     assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
 }
+
+/// Where all bodies are told in each tick, a budget that suffices for a search from nothing gets one, as ticks without
+/// a budget do; and one that does not leaves less known.
+#[test]
+fn a_budget_that_suffices_for_one_search_is_enough_for_bodies_that_are_told() {
+    const BODIES: u32 = 400;
+    const LEVELS: [AlertLevel; 1] = [LEVEL];
+    let mut rng = rng(7);
+    let mut states: Vec<State> = (0..BODIES)
+        .map(|_| State::new(0.0, vector(&mut rng, 40.0), vector(&mut rng, 3.0)))
+        .collect();
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = states
+        .iter()
+        .map(|state| {
+            let body = Body::new(Trajectory::coasting(*state).unwrap());
+            scene.insert(body).unwrap()
+        })
+        .collect();
+    // Boxes of one slice, with what is found in it; less than for all slices; less than for one.
+    let all = u64::from(BODIES);
+    let budgets = [
+        Budget::Unlimited,
+        Budget::Work(u64::MAX),
+        Budget::Work(2 * all + all / 2),
+        Budget::Work(all / 2),
+    ];
+    let mut monitors = budgets.map(|_| Monitor::new(scene.clone(), 0.0, 2.0, &LEVELS).unwrap());
+    let (mut boxes, mut caught_up) = ([0; 4], [0; 4]);
+    for tick in 1..30 {
+        let now = f64::from(tick) / 30.0;
+        for state in &mut states {
+            state.position += (now - state.time) * state.velocity;
+            state.time = now;
+            if rng.random_bool(0.05) {
+                state.velocity = vector(&mut rng, 3.0);
+            }
+        }
+        for (number, monitor) in monitors.iter_mut().enumerate() {
+            let told = ids.iter().copied().zip(states.iter().copied());
+            monitor.track(now, told).unwrap();
+            monitor
+                .advance_within(now, budgets[number], &mut Vec::new())
+                .unwrap();
+            if monitor.is_caught_up() {
+                is_as_screened(monitor, LEVEL);
+            }
+            if tick > 5 {
+                boxes[number] += monitor.stats().boxes;
+                caught_up[number] += u32::from(monitor.is_caught_up());
+            }
+        }
+    }
+    assert_eq!(caught_up[..3], [24; 3], "{boxes:?}");
+    assert_eq!(boxes[..3], [boxes[0]; 3], "{caught_up:?}");
+    assert_eq!(caught_up[3], 0);
+}

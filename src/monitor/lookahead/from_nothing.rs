@@ -2,11 +2,10 @@
 //! that the clock passed over, and one of the whole lookahead.
 
 use super::super::bodies::BodyTable;
-use super::super::budget::TickWork;
+use super::super::budget::{BudgetMeter, TickWork};
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
-use crate::parallel;
 use crate::rounding::earliest_exact;
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
@@ -35,12 +34,7 @@ impl LookaheadSearch {
         let scene = work.admission.scene;
         let table = BodyTable::of(scene, &self.monitored, &self.grid);
         let pool = &self.search_pool;
-        let threads = if work.meter.is_unlimited() {
-            parallel::threads()
-        } else {
-            1
-        };
-        let window = ((from, to), threads);
+        let window = ((from, to), work.meter.threads());
         let (bodies, _) = PreparedBodies::in_window(table, limits, pool, window);
         let times = (from, to, self.grid.length);
         self.jump.cross(times, &bodies, work, &mut self.survivors)
@@ -62,6 +56,19 @@ impl LookaheadSearch {
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
+    /// Returns true if the needed slices may be searched from nothing, from an instant (s) on. That is done in one
+    /// piece: a budget must have sufficed for as many slices at the tick before.
+    pub(super) fn may_screen(&self, from: f64, needed: usize, meter: &BudgetMeter) -> bool {
+        let (start, end) = self.window_of(from, needed);
+        let count = ((end - start) / self.grid.search_length).round().max(1.0);
+        meter.is_unlimited() || meter.until().is_none() && count <= self.affordable
+    }
+
+    /// Returns the window of the needed slices from an instant on, s.
+    fn window_of(&self, from: f64, needed: usize) -> (f64, f64) {
+        (earliest_exact(from).max(self.ends[0]), self.ends[needed])
+    }
+
     /// Searches the time of the needed slices from nothing, from an instant (s) on.
     pub(super) fn screen(
         &mut self,
@@ -71,13 +78,12 @@ impl LookaheadSearch {
     ) -> Result<(), LimitExceeded> {
         let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
-        let window = (earliest_exact(from).max(self.ends[0]), self.ends[needed]);
+        let window = self.window_of(from, needed);
         let table = BodyTable::of(admission.scene, &self.monitored, &self.grid);
         let begin = Instant::now();
         let pool = &self.search_pool;
-        let threads = parallel::threads();
         let (bodies, statistics) =
-            PreparedBodies::in_window(table, limits, pool, (window, threads));
+            PreparedBodies::in_window(table, limits, pool, (window, meter.threads()));
         let slicing = (&bodies.slices_of_search_length(window), &statistics);
         work.stats.bounds_time += begin.elapsed();
         let mut counted = Stats::default();
@@ -87,6 +93,7 @@ impl LookaheadSearch {
             return Ok(());
         }
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
+        self.affordable = if meter.is_spent() { 0.0 } else { f64::INFINITY };
         work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {
             if number < needed {
