@@ -49,9 +49,9 @@ pub enum Accuracy {
     /// case of that rounding of the margin are reported, so a touch is never lost.
     #[default]
     Exact,
-    /// Every conflict carries a [`Certificate`]: enclosures of its separation and of its times,
-    /// proven for the splines (the exact motion through the given numbers), or for the world where
-    /// bodies have [model errors](crate::Body::with_model_error). Pairs that are certainly outside
+    /// Every conflict carries a [`Certificate`]: proven enclosures of its separation and of its times. They hold for the
+    /// splines, the exact motion through the given numbers; where bodies have
+    /// [model errors](crate::Body::with_model_error), for the world. Pairs that are certainly outside
     /// are not reported; conflicts that cannot be decided are marked as unresolved.
     Certified,
 }

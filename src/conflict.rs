@@ -167,7 +167,7 @@ impl fmt::Display for Conflict {
             TaggedBody(self.b, self.tag_b),
         );
         write!(f, "{a} and {b} ")?;
-        write_course(f, (self.enter, self.exit), &self.closest)?;
+        write_interval(f, (self.enter, self.exit), &self.closest)?;
         if let Some(certificate) = &self.certificate {
             let decimals = f.precision().unwrap_or(3);
             let error = Readable(certificate.error);
@@ -200,7 +200,7 @@ pub(crate) fn other_of((a, b): (BodyId, BodyId), id: BodyId) -> Option<BodyId> {
 }
 
 /// Writes the interval (s) in which two bodies are too close, and the closest approach.
-pub(crate) fn write_course(
+pub(crate) fn write_interval(
     f: &mut fmt::Formatter<'_>,
     (enter, exit): (f64, f64),
     closest: &ClosestApproach,

@@ -177,10 +177,10 @@ impl Hitbox {
     /// no number.
     pub fn half_space(normal: impl Into<DVec3>) -> Result<Self, Error> {
         /// Largest difference of the length from 1.
-        const LARGEST: f64 = 1e-9;
+        const MAX_DEVIATION: f64 = 1e-9;
         let normal = normal.into();
         let length = norm(normal);
-        if (length - 1.0).abs() <= LARGEST {
+        if (length - 1.0).abs() <= MAX_DEVIATION {
             Ok(Self {
                 bounding: Sphere {
                     offset: normal,

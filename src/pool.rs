@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 /// Scratch that waits for its next use: first use of fresh memory costs as much as writing its content.
 #[derive(Default)]
 pub(crate) struct Pool<T> {
-    spare: Mutex<Vec<OneBoxed<T>>>,
+    unused: Mutex<Vec<OneBoxed<T>>>,
 }
 
 /// A list of one, by its address: scratch is large, and taken for single bodies. An empty list takes no memory.
@@ -16,10 +16,10 @@ type OneBoxed<T> = Box<[T]>;
 impl<T: Default> Pool<T> {
     /// Returns scratch from the pool, to which it returns when dropped.
     pub(crate) fn take(&self) -> Pooled<'_, T> {
-        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let spare = { spare }.pop();
+        let unused = self.unused.lock().unwrap_or_else(PoisonError::into_inner);
+        let unused = { unused }.pop();
         Pooled {
-            scratch: spare.unwrap_or_else(|| Box::new([T::default()])),
+            scratch: unused.unwrap_or_else(|| Box::new([T::default()])),
             pool: self,
         }
     }
@@ -61,7 +61,7 @@ impl<T: Default> DerefMut for Pooled<'_, T> {
 impl<T: Default> Drop for Pooled<'_, T> {
     fn drop(&mut self) {
         let scratch = std::mem::take(&mut self.scratch);
-        let spare = self.pool.spare.lock();
-        spare.unwrap_or_else(PoisonError::into_inner).push(scratch);
+        let unused = self.pool.unused.lock();
+        unused.unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }

@@ -10,7 +10,8 @@ mod sealed {
 }
 
 /// `f32` or `f64`, as the kernels need them: arithmetic, comparison and square roots. All are
-/// correctly rounded, so that a lane of a vector computes the same bits as a scalar.
+/// correctly rounded, so that a lane of a vector computes the same bits as a scalar. No other type can implement this
+/// trait.
 pub trait Real:
     Copy
     + Debug
@@ -27,28 +28,35 @@ pub trait Real:
     + 'static
 {
     /// Unit of rounding: half the distance from 1 to the next number.
+    #[doc(hidden)]
     const ROUNDING: Self;
 
     /// Upper bound of the underflow in a sum of some hundred products.
     ///
     /// Large enough not to underflow when multiplied by a rounding: a subnormal result costs
     /// a hundred times an ordinary one.
+    #[doc(hidden)]
     const UNDERFLOW: Self;
 
     /// Squares up to this size do not overflow in sums of some hundred products.
+    #[doc(hidden)]
     const LARGE: Self;
 
     /// Limit as `LARGE`, for squares to be squared again or used in proofs, in f32.
-    const MOST: f32;
+    #[doc(hidden)]
+    const MAX_SQUARE: f32;
 
     /// A step of Halley's method up to this size leaves an error of a few units of rounding, also where
     /// the slope's second derivative vanishes: less than the cube root of the rounding.
+    #[doc(hidden)]
     const SETTLED: Self;
 
     /// True for `f32`.
+    #[doc(hidden)]
     const IS_SINGLE: bool;
 
     /// Steps of Householder's method in `f32` that bring most samples to `SETTLED` of a minimum.
+    #[doc(hidden)]
     const STEPS: u32;
 
     /// Returns the nearest number of this type.
@@ -56,6 +64,7 @@ pub trait Real:
     fn from_f64(value: f64) -> Self;
 
     /// Returns the greatest number of this type that is not above `value`.
+    #[doc(hidden)]
     #[must_use]
     fn not_above(value: f64) -> Self;
 
@@ -76,10 +85,12 @@ pub trait Real:
     fn sqrt(self) -> Self;
 
     /// Returns the absolute value with the sign of another number.
+    #[doc(hidden)]
     #[must_use]
     fn with_sign_of(self, other: Self) -> Self;
 
     /// Returns the smaller number; `other` if either is NaN.
+    #[doc(hidden)]
     #[inline(always)]
     #[must_use]
     fn or_less(self, other: Self) -> Self {
@@ -87,6 +98,7 @@ pub trait Real:
     }
 
     /// Returns the larger number; `other` if either is NaN.
+    #[doc(hidden)]
     #[inline(always)]
     #[must_use]
     fn or_more(self, other: Self) -> Self {
@@ -106,7 +118,7 @@ macro_rules! implement_real {
             const IS_SINGLE: bool = $float::MANTISSA_DIGITS == f32::MANTISSA_DIGITS;
             const STEPS: u32 = $steps;
             const LARGE: Self = $float::MAX / 1024.0;
-            const MOST: f32 = $most;
+            const MAX_SQUARE: f32 = $most;
             const UNDERFLOW: Self = $underflow;
 
             #[inline(always)]

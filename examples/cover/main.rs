@@ -86,7 +86,7 @@ enum Kind {
 #[derive(Debug, Args)]
 struct Task {
     /// Largest number of spheres.
-    #[arg(long, value_parser = terminal::whole(1..=CoverOptions::MOST_SPHERES), allow_negative_numbers = true)]
+    #[arg(long, value_parser = terminal::whole(1..=CoverOptions::MAX_SPHERES), allow_negative_numbers = true)]
     spheres: usize,
     /// Another seed makes the search begin elsewhere.
     #[arg(long, value_parser = terminal::whole(0..=u64::MAX), default_value = "0", allow_negative_numbers = true)]

@@ -26,7 +26,7 @@ impl StraightPart {
         // to the way over a whole piece, which ends after the motion's duration or, later, after up to twice the time since its
         // state.
         const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
-        let [origin, velocity] = motion.lanes();
+        let [origin, velocity] = motion.numbers();
         let DVec3 { x, y, z } = frame.origin;
         let middle = [x, y, z, 0.0];
         // The fourth number of each has no meaning, and comes to nothing by this.

@@ -1,6 +1,6 @@
 //! Shares of a shape: each ball answers for the part of the shape in its power cell.
 
-use super::surface::{ClipScratch, HalfSpace, Surface};
+use super::surface::{ClipScratch, OrientedPlane, Surface};
 use crate::parallel;
 use glam::DVec3;
 
@@ -59,11 +59,11 @@ impl CellScratch {
                 break;
             }
             let normal = (balls[other].0 - centre).normalize();
-            let half_space = HalfSpace {
+            let plane = OrientedPlane {
                 normal,
                 offset: normal.dot(centre) + plane,
             };
-            if self.share.clip(&half_space, &mut self.clip) {
+            if self.share.clip(&plane, &mut self.clip) {
                 reach = self.share.farthest(centre);
                 self.cut_by.push(other);
             }

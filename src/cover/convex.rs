@@ -2,7 +2,7 @@
 
 use super::form::{Round, SolidForm};
 use super::hull::convex_hull;
-use super::surface::{HalfSpace, Surface, fan, is_closed};
+use super::surface::{OrientedPlane, Surface, fan, is_closed};
 use crate::count::as_f64;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 pub(super) struct Convex {
     form: SolidForm,
     /// Half-spaces within which a hull's points are deep in the hull; of no other form.
-    faces: Vec<HalfSpace>,
+    faces: Vec<OrientedPlane>,
     /// A point inside, and its depth.
     inner: (DVec3, f64),
     /// No point of a hull is farther from what its polygons bound.
@@ -31,22 +31,22 @@ const EVEN: f64 = 5e-7;
 /// at most, where d is the depth of the inner point below the layer.
 ///
 /// A hull without depth is all surface, and no point is farther from it than its layers are thick.
-fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<HalfSpace>, f64) {
+fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<OrientedPlane>, f64) {
     const NO_DEPTH: f64 = 1e-10;
     let farthest = points.iter().map(|point| point.distance(inner));
     let farthest = farthest.fold(0.0, f64::max);
-    let (mut half_spaces, mut unevenness) = (Vec::new(), 0.0_f64);
-    for (half_space, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
-        let depth = (-half_space.height(inner)).max(0.0);
+    let (mut planes, mut unevenness) = (Vec::new(), 0.0_f64);
+    for (plane, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
+        let depth = (-plane.height(inner)).max(0.0);
         let beyond = if depth > NO_DEPTH {
             farthest * layer / (layer + depth)
         } else {
             layer
         };
         unevenness = unevenness.max(beyond);
-        half_spaces.push(half_space);
+        planes.push(plane);
     }
-    (half_spaces, unevenness)
+    (planes, unevenness)
 }
 
 impl Convex {
@@ -200,7 +200,7 @@ pub(super) fn nearest_on_segment([from, to]: [DVec3; 2], at: DVec3) -> DVec3 {
 /// Returns the half-space behind a polygon of a hull, moved inward until the whole polygon lies
 /// outside; and how far the hull reaches beyond the polygon. No half-space has a polygon without
 /// area.
-fn face(points: &[DVec3], polygon: &[usize]) -> Option<(HalfSpace, f64)> {
+fn face(points: &[DVec3], polygon: &[usize]) -> Option<(OrientedPlane, f64)> {
     let first = points[*polygon.first()?];
     let fan = polygon.windows(2).map(|pair| {
         let (a, b) = (points[pair[0]] - first, points[pair[1]] - first);
@@ -212,11 +212,11 @@ fn face(points: &[DVec3], polygon: &[usize]) -> Option<(HalfSpace, f64)> {
         let highest = heights.fold(f64::NEG_INFINITY, f64::max);
         let own = polygon.iter().map(|&corner| normal.dot(points[corner]));
         let lowest = own.fold(f64::INFINITY, f64::min);
-        let half_space = HalfSpace {
+        let plane = OrientedPlane {
             normal,
             offset: lowest,
         };
-        (half_space, highest - lowest)
+        (plane, highest - lowest)
     };
     // Whichever way round the polygon is.
     let sides = (seen_from(normal), seen_from(-normal));

@@ -7,9 +7,8 @@ use std::fmt;
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoverError {
-    /// No finite set of spheres contains the shape (a half-space), or the kind of shape has neither
-    /// a volume nor triangles (a segment, a polyline), or it is not supported (height fields,
-    /// voxels, rounded and custom shapes).
+    /// No finite set of spheres contains the shape (a half-space), or it has neither a volume nor triangles (a segment, a
+    /// polyline). Height fields, voxels, rounded and custom shapes are not supported.
     #[error(
         "a {kind} cannot be covered with spheres: give a solid, a compound of solids, or a triangle mesh"
     )]
@@ -26,7 +25,7 @@ pub enum CoverError {
     /// A number of spheres out of range.
     #[error(
         "{count} spheres: not a number from 1 to {}",
-        crate::CoverOptions::MOST_SPHERES
+        crate::CoverOptions::MAX_SPHERES
     )]
     SphereCount {
         /// The number.
@@ -35,7 +34,7 @@ pub enum CoverError {
     /// An effort above the largest one.
     #[error(
         "an effort of {effort}: more than {} times the default number of starts",
-        crate::CoverOptions::MOST_EFFORT
+        crate::CoverOptions::MAX_EFFORT
     )]
     Effort {
         /// The effort.

@@ -31,10 +31,10 @@ impl Default for CoverOptions {
 
 impl CoverOptions {
     /// Largest number of spheres of a fit: 4,096.
-    pub const MOST_SPHERES: usize = 4_096;
+    pub const MAX_SPHERES: usize = 4_096;
 
     /// Largest effort of a fit: 65,536.
-    pub const MOST_EFFORT: u32 = 65_536;
+    pub const MAX_EFFORT: u32 = 65_536;
 
     /// Returns options for the least overshoot with at most this many spheres, seed 0.
     #[must_use]
@@ -63,7 +63,7 @@ impl CoverOptions {
     }
 
     /// Returns the options with this many times the default number of starts; 0 counts as 1, and more
-    /// than [`MOST_EFFORT`](Self::MOST_EFFORT) are refused. The default number depends on the number of
+    /// than [`MAX_EFFORT`](Self::MAX_EFFORT) are refused. The default number depends on the number of
     /// spheres and on the shape, never on the clock.
     #[must_use]
     pub const fn with_effort(mut self, effort: u32) -> Self {

@@ -98,11 +98,11 @@ impl SphereCover {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, CoverError> {
         let most = options.max_spheres();
-        if !(1..=CoverOptions::MOST_SPHERES).contains(&most) {
+        if !(1..=CoverOptions::MAX_SPHERES).contains(&most) {
             return Err(CoverError::SphereCount { count: most });
         }
         let effort = options.effort();
-        if effort > CoverOptions::MOST_EFFORT {
+        if effort > CoverOptions::MAX_EFFORT {
             return Err(CoverError::Effort { effort });
         }
         let solid = read(shape)?;

@@ -1,16 +1,16 @@
-//! Surfaces of polygons, and what a half-space leaves of them.
+//! Surfaces of polygons, and what is left of them on one side of a plane.
 
 use glam::DVec3;
 
-/// The half-space `normal . x <= offset`.
+/// A plane and its inner side, `normal . x <= offset`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HalfSpace {
+pub(super) struct OrientedPlane {
     /// The direction outward; its length is 1 to rounding.
     pub(super) normal: DVec3,
     pub(super) offset: f64,
 }
 
-impl HalfSpace {
+impl OrientedPlane {
     /// Returns the distance by which a point lies outside; negative inside.
     pub(super) fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
@@ -135,10 +135,10 @@ impl Surface {
 
     /// Removes what lies outside a half-space. A closed surface is closed again along the plane.
     /// Returns true if anything was removed.
-    pub(super) fn clip(&mut self, half_space: &HalfSpace, scratch: &mut ClipScratch) -> bool {
+    pub(super) fn clip(&mut self, plane: &OrientedPlane, scratch: &mut ClipScratch) -> bool {
         let heights = &mut scratch.heights;
         heights.clear();
-        heights.extend(self.points.iter().map(|&point| half_space.height(point)));
+        heights.extend(self.points.iter().map(|&point| plane.height(point)));
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if highest <= 0.0 {
             return false;

@@ -58,7 +58,7 @@ pub(crate) fn squared_distance<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneS
     ];
     let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
     let tolerance = TOLERANCE * f32::ROUNDING * size + f32::UNDERFLOW;
-    let is_served = size < R::MOST;
+    let is_served = size < R::MAX_SQUARE;
     let tolerance = if is_served { tolerance } else { f32::INFINITY };
     // A pair at rest but for rounding is as near at any time.
     let rounding = R::ROUNDING.to_f32();

@@ -1,6 +1,6 @@
 //! Events of a monitor, and the encounters they are about.
 
-use crate::conflict::{ClosestApproach, other_of, write_course};
+use crate::conflict::{ClosestApproach, other_of, write_interval};
 use crate::id::{BodyId, TaggedBody};
 use crate::readable::Readable;
 use std::cmp::Ordering;
@@ -99,7 +99,7 @@ impl fmt::Display for Encounter {
             TaggedBody(self.b, self.tag_b),
         );
         write!(f, "{}, level {}: {a} and {b} ", self.id, self.level)?;
-        write_course(f, (self.enter, self.exit), &self.closest)?;
+        write_interval(f, (self.enter, self.exit), &self.closest)?;
         f.write_str(if self.open { " so far" } else { "" })
     }
 }

@@ -55,7 +55,7 @@ pub(super) struct LookaheadSearch {
     /// Slices of the lookahead, and the next one.
     slices: VecDeque<LookaheadSlice>,
     /// Unused slices: their memory is reused.
-    spare: Vec<LookaheadSlice>,
+    unused: Vec<LookaheadSlice>,
     jump: JumpSearch,
     half_spaces: HalfSpaceSearch,
     /// Spans that cheap tests have left: to be solved.
@@ -96,7 +96,7 @@ impl LookaheadSearch {
             solved: SolvedSpans::default(),
             grid,
             slices: VecDeque::new(),
-            spare: Vec::new(),
+            unused: Vec::new(),
             jump: JumpSearch::default(),
             half_spaces: HalfSpaceSearch::default(),
             survivors: Vec::new(),
@@ -285,7 +285,7 @@ impl LookaheadSearch {
         let jump = (self.laid_until(from), present);
         if self.jump.is_needed(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
-            self.spare.extend(self.slices.drain(..));
+            self.unused.extend(self.slices.drain(..));
             if let Some(stop) = self.cross((from, present), work)? {
                 return Ok((stop, true));
             }

@@ -44,9 +44,11 @@ impl Monitor {
     /// Moves the clock like [`advance`](Self::advance), but within a budget: the near future is examined first.
     /// Nothing is missing before [`complete_until`](Self::complete_until); later ticks continue from there,
     /// also while the clock stands still. In the end they report the clock events that unlimited ticks do.
-    /// Exceptions: bodies are inserted or removed meanwhile, hitboxes, layers, model errors or ignored pairs change (all
-    /// of these count from `complete_until` on if it is before the clock), or a plan changes an instant, up to the
-    /// clock, that one monitor has reported and another has not.
+    /// Exceptions:
+    ///
+    /// - Bodies are inserted or removed meanwhile, or hitboxes, layers, model errors or ignored pairs change. All of these
+    ///   count from `complete_until` on if it is before the clock.
+    /// - A plan changes an instant, up to the clock, that one monitor has reported and another has not.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

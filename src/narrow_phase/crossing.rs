@@ -1,4 +1,4 @@
-//! Nodes of a distance's course over a span, and the crossing of a threshold between two of them.
+//! Nodes of a distance's profile over a span, and the crossing of a threshold between two of them.
 
 use super::relative::RelativeCubic;
 use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};

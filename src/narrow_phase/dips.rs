@@ -80,7 +80,7 @@ impl DistanceExtrema {
         }
     }
 
-    /// Appends an extremum; replaces the previous one if the distance only continues its course.
+    /// Appends an extremum; replaces the previous one if the distance goes on the same way.
     fn push(&mut self, cubic: &RelativeCubic, s: f64) {
         let new = ProfileNode::at(cubic, s);
         if let [.., before, last] = self.as_slice() {

@@ -1,4 +1,4 @@
-//! The course of the distance of two spheres over a span, and the intervals in which it is within a threshold.
+//! Distance of two spheres as a function of the time of a span, and the intervals in which it is within a threshold.
 //!
 //! Between neighbouring stationary points the distance is monotonic, so each crossing of the
 //! threshold is bracketed; it is solved on the relative position vector. Everything is found on
@@ -23,7 +23,7 @@ pub(crate) struct ProfilePoint {
     pub(crate) plateau: f64,
 }
 
-/// The course of the distance over a span: its values at the nodes, and monotonic between neighbouring ones.
+/// Distance over a span: its values at the nodes. It is monotonic between neighbouring ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceProfile {
     /// The ends of the span, and the stationary points between them.

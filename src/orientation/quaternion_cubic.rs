@@ -76,9 +76,9 @@ impl QuaternionCubic {
     /// they are too many.
     pub(super) fn parts_within(&self, tolerance: f64) -> Option<u32> {
         /// The error falls with the fourth power of the number.
-        const MOST: u32 = 4096;
+        const MAX_PARTS: u32 = 4096;
         let mut count = 1;
-        while count <= MOST {
+        while count <= MAX_PARTS {
             let error = self.largest_error(count);
             if error <= tolerance || self.is_cut_finely(count) {
                 // Where no instants divide it, the rotation is unknown, as that of an arc.

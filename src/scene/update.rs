@@ -106,7 +106,7 @@ impl Scene {
     /// engine or a network tells of all bodies, each frame. A state with a [spin](BodyState::with_spin)
     /// gives the body the [orientation](Orientation::spin) as well.
     ///
-    /// A body that is left out keeps its course. The last state of a body that is named twice counts, also one
+    /// A body that is left out keeps its plan. The last state of a body that is named twice counts, also one
     /// without a spin. A body that had another trajectory of one state takes no memory for the new one.
     ///
     /// ```

@@ -151,8 +151,8 @@ impl Scene {
         Ok(screening)
     }
 
-    /// Returns the least separation of two bodies within a window, and its time, or `None` if they
-    /// do not exist at the same time, or both are half-spaces. Layers and ignored pairs play no part.
+    /// Returns the least separation of two bodies within a window, and its time. `None` if they do not exist at the same
+    /// time, or both are half-spaces. Layers and ignored pairs play no part.
     ///
     /// # Errors
     ///

@@ -33,8 +33,8 @@ use crate::scene::{Body, planned};
 use crate::spans::{Spans, common_window, spans};
 use crate::window::Window;
 
-/// Returns the least separation of two bodies within a window, and its time, or `None` if they do
-/// not exist at the same time, or both are half-spaces.
+/// Returns the least separation of two bodies within a window, and its time. `None` if they do not exist at the same time,
+/// or both are half-spaces.
 ///
 /// # Errors
 ///

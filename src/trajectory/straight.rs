@@ -154,7 +154,7 @@ impl StraightMotion {
 
     /// Returns the position at the time of the state (m) and the velocity (m/s), each followed by any finite number.
     #[inline(always)]
-    pub(crate) const fn lanes(&self) -> [[f64; 4]; 2] {
+    pub(crate) const fn numbers(&self) -> [[f64; 4]; 2] {
         [self.origin, self.velocity]
     }
 

@@ -202,7 +202,7 @@ fn what_cannot_be_covered_is_refused() {
     );
 
     let with = |options: CoverOptions| SphereCover::fit(&brick(), &options);
-    for count in [0, CoverOptions::MOST_SPHERES + 1] {
+    for count in [0, CoverOptions::MAX_SPHERES + 1] {
         assert_eq!(
             with(CoverOptions::new(count)),
             Err(CoverError::SphereCount { count })
@@ -300,7 +300,7 @@ fn efforts_have_a_bound() {
         SphereCover::fit(shape, &CoverOptions::new(1).with_effort(effort))
     };
     assert_eq!(with(&brick(), 0), with(&brick(), 1));
-    let most = CoverOptions::MOST_EFFORT;
+    let most = CoverOptions::MAX_EFFORT;
     assert!(with(&Capsule::new_y(1.0, 0.5), most).is_ok());
     for effort in [most + 1, 1 << 30, u32::MAX] {
         let refused = Err(CoverError::Effort { effort });

@@ -22,7 +22,7 @@ impl LookaheadSearch {
             let is_needed = self.start(index) <= to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
-                let mut slice = self.spare.pop().unwrap_or_default();
+                let mut slice = self.unused.pop().unwrap_or_default();
                 slice.begin(index, (self.start(index), self.start(index + 1)));
                 self.slices.push_back(slice);
             }
@@ -41,7 +41,7 @@ impl LookaheadSearch {
             .front()
             .is_some_and(|slice| slice.number < first)
         {
-            self.spare.extend(self.slices.pop_front());
+            self.unused.extend(self.slices.pop_front());
         }
     }
 

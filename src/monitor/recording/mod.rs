@@ -14,8 +14,8 @@ use super::Monitor;
 use std::io::{self, Write};
 
 impl Monitor {
-    /// Writes down everything from now on, in the format that [`Replay`] reads; a recording under way
-    /// is given up: [stop](Self::stop_recording) it first, or its replay ends with an error. (Feature `recording`.)
+    /// Writes down everything from now on, in the format that [`Replay`] reads. (Feature `recording`.) A recording under
+    /// way is given up: [stop](Self::stop_recording) it first, or its replay ends with an error.
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
     /// monitor's requests after they were coalesced), and for each tick how far it came.

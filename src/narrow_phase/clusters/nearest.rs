@@ -11,7 +11,7 @@ use crate::narrow_phase::sphere_pair::SpherePair;
 /// Number of equal cells of a part, a multiple of that of the intervals into which it is halved.
 const CELLS: usize = 8;
 
-/// Asks for the pairs that may come within `margin` (m) and be the nearest ones then; `solve` returns the course of a
+/// Asks for the pairs that may come within `margin` (m) and be the nearest ones then; `solve` returns the profile of a
 /// pair's distance if that comes within the margin.
 pub(super) struct NearestQuestion<F> {
     margin: f64,

@@ -23,11 +23,10 @@ impl Trajectory {
     /// position. Four times is accepted if the two control points there are the same.
     ///
     /// The Bézier points of each segment are computed with twice the precision of f64. So a position is good to one
-    /// rounding of itself and one of the segment's extent. Position, velocity and acceleration at both ends, from which
-    /// a body goes on beyond its knots if [`Outside`](crate::Outside) says so, are those of the curve, to a few
-    /// roundings of their own and 1e-27 of the largest coordinate. Beyond the ends, answers speak of the motion with
-    /// these coefficients: that error of theirs, which grows with the third power of the time gone in units of the
-    /// last interval, is not part of a certificate.
+    /// rounding of itself and one of the segment's extent. Position, velocity and acceleration at both ends are those of
+    /// the curve, to a few roundings of their own and 1e-27 of the largest coordinate. From these a body goes on beyond
+    /// its knots if [`Outside`](crate::Outside) says so. Answers there speak of the motion with these coefficients. Their
+    /// error grows with the third power of the time gone, in units of the last interval. It is not part of a certificate.
     ///
     /// ```
     /// use nearmiss::Trajectory;

@@ -20,7 +20,7 @@ const STEP_PRECISION: f64 = 0.01;
 const LEAST_STEP: f64 = 64.0;
 
 /// Most trials for one step: enough to halve and double it across the whole range of f64.
-const MOST_TRIALS: u32 = 8_192;
+const MAX_TRIALS: u32 = 8_192;
 
 /// Knots of a fit.
 #[derive(Debug)]
@@ -132,7 +132,7 @@ fn longest_step(
     let least = LEAST_STEP * f64::EPSILON * from.abs().max(f64::MIN_POSITIVE);
     let (mut good, mut bad, mut reached) = (None, None, f64::INFINITY);
     let mut to = (from + first.max(least)).min(end);
-    for trial in 0..MOST_TRIALS {
+    for trial in 0..MAX_TRIALS {
         let (length, error) = (to - from, motion.error(from, to)?);
         reached = error.metres.min(reached);
         // The deviation from a cubic grows with the fourth power of its duration.
