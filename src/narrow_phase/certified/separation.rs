@@ -32,6 +32,10 @@ pub(super) struct LeastSeparationSearch {
 }
 
 impl LeastSeparationSearch {
+    /// Length of a span, in lengths of the part in which the least separation is, from which on that part is looked at by
+    /// itself as well: its coordinates are so much smaller that its rounding may be less.
+    const LONG: f64 = 4.0;
+
     pub(super) const fn new(error: f64) -> Self {
         Self {
             error,
@@ -57,6 +61,10 @@ impl LeastSeparationSearch {
         times: (f64, f64),
     ) {
         let (mut least, cubic) = least_separation(views, span, pair, is_whole, times);
+        if is_whole && span.end - span.start > Self::LONG * (times.1 - times.0) {
+            let (part, _) = least_separation(views, span, pair, false, times);
+            least = least.intersection(part);
+        }
         if self.error > 0.0 {
             least.low = (least.low - self.error).next_down();
             least.high = (least.high + self.error).next_up();
@@ -153,6 +161,16 @@ impl SeparationEnclosure {
             time,
             ..*lowest
         })
+    }
+
+    /// Returns what two enclosures of one least separation leave.
+    fn intersection(self, other: Self) -> Self {
+        let TimeEnclosure { earliest, latest } = other.time;
+        Self {
+            low: self.low.max(other.low),
+            high: self.high.min(other.high),
+            ..self.within(earliest, latest)
+        }
     }
 
     /// Returns the enclosure with instants between two alone, between which the least is attained.
