@@ -98,6 +98,9 @@ impl Query {
     ///
     /// If all bodies are in one place, all pairs count. The screening then ends with
     /// [`Error::TooCrowded`](crate::Error::TooCrowded) instead of filling the memory.
+    ///
+    /// Cubics of rotation do not count, nor do the conflicts of a span: two bodies that stay within the margin while one
+    /// of them turns a million times have up to a million conflicts in one span.
     #[must_use]
     pub const fn with_max_spans(mut self, limit: usize) -> Self {
         self.max_spans = limit;

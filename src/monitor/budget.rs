@@ -17,7 +17,7 @@ pub enum Budget {
     Unlimited,
     /// Wall time, checked after every thousand boxes or candidates: so many are examined however short it
     /// is. A tick exceeds it by the time that sorting the boxes of one slice takes, and solving and reading
-    /// what was found. That is most of the work where many bodies stay near each other. A far jump of the
+    /// what was found. That is most of the work where many bodies stay near each other, or turn many times in the lookahead. A far jump of the
     /// clock, and a slice with too many pairs, are searched in parts, each of them a search of all bodies: the budget
     /// is checked between these. Where most bodies change in each tick, the whole lookahead is searched in one piece, if the budget
     /// of the tick before sufficed for about as much. A tick with a budget searches on one thread.
