@@ -16,12 +16,18 @@ pub enum Budget {
     /// No limit.
     Unlimited,
     /// Wall time, checked after every thousand boxes or candidates: so many are examined however short it
-    /// is. A tick exceeds it by the time that sorting the boxes of one slice takes, and solving and reading
-    /// what was found. That is most of the work where many bodies stay near each other, or turn many times in the lookahead. A far jump of the
-    /// clock, and a slice with too many pairs, are searched in parts, each of them a search of all bodies: the budget
-    /// is checked between these. Where most bodies change in each tick, the whole lookahead is searched in one piece, if the budget
-    /// of the tick before sufficed for about as much. A tick with a budget searches on one thread.
-    /// Only dropping replaced plans, and reading what was found, may take a second one.
+    /// is. A tick exceeds the time by:
+    ///
+    /// - Sorting the boxes of one slice.
+    /// - Solving and reading what was found. That is most of the work where many bodies stay near each other, or turn
+    ///   many times in the lookahead.
+    /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
+    ///   searched in parts.
+    /// - A search of the whole lookahead, where most bodies change in each tick. It takes few slices, often one. The
+    ///   budget of the tick before must have sufficed for all of them but one.
+    ///
+    /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
+    /// second one.
     ///
     /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
     /// ahead; with a fifth, nothing may be, until fewer plans change.

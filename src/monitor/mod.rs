@@ -95,8 +95,9 @@ use told_motions::ToldMotions;
 /// first one.
 ///
 /// A tick is one screening of the lookahead if more than three quarters of the bodies changed before it and before
-/// the previous one; with a budget, only if that of the previous one sufficed for about as much. The next tick before which fewer bodies changed takes
-/// longer: it forms the boxes of all bodies, with which changed ones are compared from then on.
+/// the previous one. With a budget, that of the previous one must have sufficed for all slices of the screening but
+/// one. The next tick before which fewer bodies changed takes longer: it forms the boxes of all bodies, with which
+/// changed ones are compared from then on.
 ///
 /// # Threads
 ///

@@ -57,11 +57,14 @@ impl LookaheadSearch {
     }
 
     /// Returns true if the needed slices may be searched from nothing, from an instant (s) on. That is done in one
-    /// piece: a budget must have sufficed for as many slices at the tick before.
+    /// piece: a budget must have sufficed for as many slices at the tick before, but for one. (Each tick exceeds its
+    /// budget by up to one slice. A search from nothing often has no more, and then nothing else lets the monitor
+    /// catch up with bodies that all change in each tick.)
     pub(super) fn may_screen(&self, from: f64, needed: usize, meter: &BudgetMeter) -> bool {
         let (start, end) = self.window_of(from, needed);
         let count = ((end - start) / self.grid.search_length).round().max(1.0);
-        meter.is_unlimited() || meter.until().is_none() && count <= self.affordable
+        let has_time = || !meter.is_spent() && count <= self.affordable + 1.0;
+        meter.is_unlimited() || meter.until().is_none() && has_time()
     }
 
     /// Returns the window of the needed slices from an instant on, s.
