@@ -179,11 +179,11 @@ impl Monitor {
         let ToldMotions {
             ids,
             motions,
-            in_place,
+            is_moved,
             ..
         } = told;
-        in_place.resize(ids.len(), false);
-        parallel::for_each_chunk(in_place, CHUNK, few, |number, some| {
+        is_moved.resize(ids.len(), false);
+        parallel::for_each_chunk(is_moved, CHUNK, few, |number, some| {
             let first = number * CHUNK;
             let (ids, motions) = (&ids[first..], &motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
@@ -228,7 +228,9 @@ impl Monitor {
         let since = self.change_context()?.forget_before;
         for (place, plan) in told.others.drain(..) {
             let id = told.ids[place];
-            match plan? {
+            let plan = plan?;
+            told.is_moved[place] = !matches!(plan, ToldPlan::Same);
+            match plan {
                 ToldPlan::Same => {}
                 ToldPlan::InPlace(from) => {
                     self.replace_motion(id, (from, &told.motions[place]))?;
@@ -245,7 +247,9 @@ impl Monitor {
         for (place, spin) in told.spins.iter().enumerate() {
             self.prefetch_turning(told, place);
             if let Some(spin) = spin {
-                self.take_spin(told.ids[place], spin, (now, since))?;
+                let is_changed = self.take_spin(told.ids[place], spin, (now, since))?;
+                // A body whose motion changes was counted with that.
+                self.count_changes(usize::from(is_changed && !told.is_moved[place]));
             }
         }
         Ok(())
@@ -267,17 +271,18 @@ impl Monitor {
         }
     }
 
-    /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one.
+    /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one. Returns true if
+    /// that changes its orientation.
     fn take_spin(
         &mut self,
         id: BodyId,
         spin: &ToldSpin,
         (from, since): (f64, f64),
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let turned = !body.orientation.is_fixed();
         if !self.scene.follow_spin(id, spin, (from, since))? {
-            return Ok(());
+            return Ok(false);
         }
         if turned {
             // A shape depends on the tolerance, which a spin leaves as it is, and not on how the body turns.
@@ -286,8 +291,7 @@ impl Monitor {
             let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
             self.search.reshape(id.slot, body.shape());
         }
-        self.count_changes(1);
-        Ok(())
+        Ok(true)
     }
 
     /// Replaces the motions that can be replaced in place.
@@ -308,7 +312,7 @@ impl Monitor {
     fn replace_each(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
-        for (place, is_replaced) in told.in_place.iter().enumerate() {
+        for (place, is_replaced) in told.is_moved.iter().enumerate() {
             // Bodies lie anywhere in memory.
             if let Some(later) = told.ids.get(place + 2 * AHEAD) {
                 prefetch_first(&slots[later.slot as usize]);

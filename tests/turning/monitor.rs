@@ -201,6 +201,46 @@ fn bodies_told_with_their_spin() {
     assert!(matches!(refused, Err(Error::InBody { .. })));
 }
 
+/// Whichever of its motion and its spin changes, and however it comes to follow them.
+#[test]
+fn a_body_that_is_told_a_spin_counts_once_as_changed() {
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..40)
+        .map(|number| {
+            let rest = Trajectory::at_rest(9.0 * f64::from(number) * DVec3::X).unwrap();
+            scene.insert(Body::new(rest)).unwrap()
+        })
+        .collect();
+    let levels = [AlertLevel::at(MARGIN)];
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    // The time of all states and the rate of all spins: they change from one call to the next, or do not.
+    let calls = [
+        // Bodies that rested begin to move and to turn.
+        (0.1, 0.1, 40),
+        (0.2, 0.2, 40),
+        (0.3, 0.3, 40),
+        // Told again: the spin before is forgotten, and then nothing is left to change.
+        (0.3, 0.3, 40),
+        (0.3, 0.3, 0),
+        (0.3, 0.4, 40),
+        (0.3, 0.4, 40),
+        (0.3, 0.4, 0),
+        (0.9, 0.4, 40),
+    ];
+    for (call, (time, rate, changed)) in calls.into_iter().enumerate() {
+        let now = 0.1 * (call + 1) as f64;
+        let told = ids.iter().zip(0..).map(|(&id, number)| {
+            let place = DVec3::new(9.0 * f64::from(number), time, 0.0);
+            let state = BodyState::from(State::new(time, place, DVec3::Y));
+            (id, state.with_spin(DQuat::IDENTITY, rate * DVec3::Z))
+        });
+        monitor.track(now, told).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.stats().changed, changed, "{call}");
+    }
+}
+
 /// Two arms that sweep past each other begin and end encounters, though the bodies rest.
 #[test]
 fn turning_alone_makes_encounters() {
