@@ -17,6 +17,7 @@ mod sample;
 #[cfg(feature = "serde")]
 mod serial;
 mod slot;
+mod told_states;
 mod update;
 
 pub(crate) use admission::PairAdmission;
@@ -31,6 +32,7 @@ use partners::Kinds;
 pub(crate) use planned::planned;
 pub(crate) use slot::Slot;
 use slot::SlotKey;
+use told_states::ToldStates;
 pub use update::{BodyState, Spin};
 
 use crate::bounds::DAabb;
@@ -123,8 +125,8 @@ pub struct Scene {
     arena: CubicArena,
     /// Buffers of screenings; no part of the scene's value.
     pool: Pool<SearchScratch>,
-    /// Memory of [`update`](Self::update): the bodies whose states were told; no part of the scene's value.
-    told: Vec<(BodyId, StraightMotion)>,
+    /// Memory of [`update`](Self::update); no part of the scene's value.
+    told: ToldStates,
 }
 
 impl Scene {
@@ -453,7 +455,7 @@ impl Clone for Scene {
             kinds: self.kinds.clone(),
             arena,
             pool: self.pool.clone(),
-            told: Vec::new(),
+            told: ToldStates::default(),
         }
     }
 }

@@ -310,6 +310,40 @@ fn spins_told_in_one_call_allocate_nothing() {
     });
 }
 
+/// Nor do spins told to a scene: each replaces the one before in its memory.
+#[test]
+fn spins_of_an_update_allocate_nothing() {
+    let mut rng = support::rng(10);
+    let mut scene = Scene::new();
+    let orbits: Vec<(BodyId, Trajectory)> = (0..BODIES)
+        .map(|_| {
+            let flown = circling(Outside::Absent, &mut rng);
+            let body = Trajectory::coasting(state_at(&flown, 0.0)).unwrap();
+            (scene.insert(nearmiss::Body::new(body)).unwrap(), flown)
+        })
+        .collect();
+    let mut during = 0;
+    for frame in 0..60_u32 {
+        let now = f64::from(frame) / 60.0;
+        let told = orbits.iter().map(|(id, flown)| {
+            let turn = DQuat::from_rotation_z(now);
+            let state = BodyState::from(state_at(flown, now));
+            (*id, state.with_spin(turn, DVec3::Z + now * DVec3::X))
+        });
+        let before = allocations();
+        scene.update(told).unwrap();
+        // The first one makes room.
+        during += if frame == 0 {
+            0
+        } else {
+            allocations() - before
+        };
+    }
+    assert_eq!(during, 0);
+    let turned = |(_, body): (BodyId, &nearmiss::Body)| !body.orientation.is_fixed();
+    assert!(scene.bodies().all(turned));
+}
+
 /// Each frame, by the same orbits.
 #[test]
 fn a_screening_of_an_updated_scene_allocates_no_more_than_one_of_the_same_scene() {

@@ -255,3 +255,76 @@ fn the_last_state_of_a_body_that_is_named_twice_counts() {
         assert!(found.angle_between(tracked) < 1e-9, "{x}");
     }
 }
+
+/// Of orientations of all kinds, with a tolerance and without one. A monitor does the same.
+#[test]
+fn a_told_spin_keeps_the_tolerance_that_the_body_has() {
+    let knots = [0.0, 1.0, 2.0].map(|time| (time, DQuat::from_rotation_x(time)));
+    let spinning = |rate: f64| Orientation::spin(0.0, DQuat::IDENTITY, rate * DVec3::Z).unwrap();
+    let kinds = [
+        spinning(1.0),
+        spinning(0.0),
+        Orientation::slerp(&knots).unwrap(),
+        Orientation::normalized_cubic(&knots).unwrap(),
+    ];
+    let mut scene = Scene::new();
+    let mut expected = Vec::new();
+    let told = spinning(3.0);
+    for kind in kinds {
+        for tolerance in [None, Some(1e-8), Some(1e-2)] {
+            let with = |orientation: Orientation| match tolerance {
+                Some(tolerance) => orientation.with_tolerance(tolerance).unwrap(),
+                None => orientation,
+            };
+            let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+            let body = Body::new(rest).with_orientation(with(kind.clone()));
+            let id = scene.insert(body).unwrap();
+            expected.push((id, with(told.clone())));
+        }
+    }
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let fixed = scene.insert(Body::new(rest)).unwrap();
+    expected.push((fixed, told));
+    let mut monitor = Monitor::new(scene.clone(), 0.0, 5.0, &[AlertLevel::at(1.0)]).unwrap();
+    let state = State::new(0.0, DVec3::ZERO, DVec3::Y);
+    let state = BodyState::from(state).with_spin(DQuat::IDENTITY, 3.0 * DVec3::Z);
+    // What is told again is what the body does.
+    for _ in 0..2 {
+        let states = expected.iter().map(|(id, _)| (*id, state));
+        scene.update(states.clone()).unwrap();
+        monitor.track(0.0, states).unwrap();
+        for (id, orientation) in &expected {
+            for scene in [&scene, monitor.scene()] {
+                assert_eq!(scene.body(*id).unwrap().orientation, *orientation);
+            }
+        }
+    }
+}
+
+/// A half-space does not turn, and neither does any other body that is named before it.
+#[test]
+fn an_update_with_a_spin_that_is_refused_changes_nothing() {
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let mut scene = Scene::new();
+    let ball = scene.insert(Body::new(rest.clone())).unwrap();
+    let floor = Hitbox::half_space(DVec3::Z).unwrap();
+    let floor = Body::new(rest).with_hitbox(floor).with_tag(7);
+    let floor = scene.insert(floor).unwrap();
+    let before = scene.clone();
+    let state = BodyState::from(State::new(0.0, DVec3::X, DVec3::Y));
+    let turning = state.with_spin(DQuat::IDENTITY, DVec3::Z);
+    let too_fast = state.with_spin(DQuat::IDENTITY, 1e9 * DVec3::Z);
+    let speed = Error::AngularSpeed { speed: 1e9 };
+    for (id, state, error) in [
+        (floor, turning, Error::TurningHalfSpace.in_body(7)),
+        (ball, too_fast, speed.in_body(0)),
+    ] {
+        let refused = scene.update([(ball, turning), (id, state), (ball, turning)]);
+        assert_eq!(refused, Err(error.with_id(id)));
+        assert!(scene.bodies().eq(before.bodies()));
+    }
+    // Its last state has no spin.
+    scene.update([(ball, turning), (floor, state)]).unwrap();
+    assert!(scene.body(floor).unwrap().orientation.is_fixed());
+    assert!(!scene.body(ball).unwrap().orientation.is_fixed());
+}

@@ -176,6 +176,19 @@ impl Orientation {
     /// Returns this orientation with another tolerance: the largest error of a sphere's centre,
     /// relative to its distance from the body's position, at any accuracy.
     ///
+    /// Spins that are told later ([`BodyState::with_spin`](crate::BodyState::with_spin)) keep it. It has no effect on
+    /// a [fixed](Self::FIXED) orientation, which does not remember it: give a body that is to turn later a spin of 0.
+    ///
+    /// ```
+    /// use nearmiss::Orientation;
+    /// use nearmiss::glam::{DQuat, DVec3};
+    ///
+    /// assert_eq!(Orientation::FIXED.with_tolerance(1e-8)?, Orientation::FIXED);
+    /// let still = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::ZERO)?;
+    /// assert_ne!(still.clone().with_tolerance(1e-8)?, still);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::Tolerance`] if it is not within 1e-9..=0.1; [`Error::RotationVanishes`] if a

@@ -66,6 +66,14 @@ impl Orientation {
         *self = both;
         Ok(is_changed)
     }
+
+    /// Replaces the whole orientation by a spin. The tolerance, if there is one, stays.
+    pub(crate) fn set_spin(&mut self, spin: &ToldSpin) {
+        match self.turning.as_deref_mut() {
+            Some(turning) => turning.set_spin(spin),
+            None => self.turning = Some(Box::new(Turning::of_spin(spin))),
+        }
+    }
 }
 
 impl Turning {
@@ -113,12 +121,36 @@ impl Turning {
         }
         if !is_followed {
             let begin = (kept > 0).then_some(from);
-            let mut piece = RotationPiece::forever(spin.arc, self.tolerances());
-            piece.start = begin.unwrap_or(f64::NEG_INFINITY);
-            self.pieces.push(piece);
-            self.parts.push(OrientationPart { from: begin, given });
+            self.append_spin(spin, begin);
         }
         !is_followed || kept < before
+    }
+
+    /// Returns the motion that is a spin at all times, without a tolerance of its own.
+    fn of_spin(spin: &ToldSpin) -> Self {
+        let mut turning = Self {
+            parts: Vec::with_capacity(1),
+            tolerance: None,
+            pieces: Vec::with_capacity(1),
+        };
+        turning.append_spin(spin, None);
+        turning
+    }
+
+    /// Replaces the whole motion by a spin, in its memory.
+    fn set_spin(&mut self, spin: &ToldSpin) {
+        self.parts.clear();
+        self.pieces.clear();
+        self.append_spin(spin, None);
+    }
+
+    /// Appends a spin from an instant (s) on, or from the beginning of time.
+    fn append_spin(&mut self, spin: &ToldSpin, from: Option<f64>) {
+        let mut piece = RotationPiece::forever(spin.arc, self.tolerances());
+        piece.start = from.unwrap_or(f64::NEG_INFINITY);
+        self.pieces.push(piece);
+        let given = spin.given();
+        self.parts.push(OrientationPart { from, given });
     }
 }
 
@@ -172,6 +204,11 @@ mod tests {
                 let turning = orientation.turning.as_ref();
                 in_place += usize::from(turning.is_some_and(|one| one.has_one_piece_a_part()));
                 let spin = ToldSpin::new(time, rotation, velocity).unwrap();
+                let mut replaced = orientation.clone();
+                replaced.set_spin(&spin);
+                let tolerance = orientation.turning().and_then(|one| one.tolerance);
+                let whole = Orientation::of_parts(next.parts(), tolerance, &[]).unwrap();
+                assert_eq!(all_of(&replaced), all_of(&whole));
                 let changed = orientation.follow_spin(&spin, from, since).unwrap();
                 assert_eq!(all_of(&orientation), all_of(&expected));
                 assert_eq!(changed, is_change, "{orientation:?}");

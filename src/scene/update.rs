@@ -1,12 +1,12 @@
 //! Straight motions of many bodies, told in one call.
 
-use super::{Body, Scene};
+use super::Scene;
+use super::told_states::ToldStates;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::{Orientation, ToldSpin};
+use crate::orientation::ToldSpin;
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
-use std::collections::BTreeMap;
 
 /// The state of a body at one instant, as [`Scene::update`] and
 /// [`Monitor::track`](crate::Monitor::track) take it.
@@ -40,7 +40,7 @@ impl From<State> for BodyState {
 
 impl BodyState {
     /// Returns the state with a rotation and an angular velocity (rad/s, in the world's axes) at
-    /// its time: see [`Orientation::spin`].
+    /// its time: see [`Orientation::spin`](crate::Orientation::spin).
     ///
     /// ```
     /// use nearmiss::glam::{DQuat, DVec3};
@@ -59,18 +59,6 @@ impl BodyState {
         self
     }
 
-    /// Returns the orientation that follows from the spin, if there is one.
-    ///
-    /// # Errors
-    ///
-    /// As [`Orientation::spin`].
-    pub(crate) fn orientation(&self) -> Result<Option<Orientation>, Error> {
-        let Some(spin) = self.spin else {
-            return Ok(None);
-        };
-        Orientation::spin(self.state.time, spin.rotation, spin.angular_velocity).map(Some)
-    }
-
     /// Returns the straight motion through a state without spin whose numbers are ordinary ones.
     #[inline(always)]
     pub(crate) fn ordinary_motion(&self) -> Option<StraightMotion> {
@@ -82,7 +70,7 @@ impl BodyState {
     ///
     /// # Errors
     ///
-    /// As [`Orientation::spin`].
+    /// As [`Orientation::spin`](crate::Orientation::spin).
     pub(crate) fn told_spin(&self) -> Result<Option<ToldSpin>, Error> {
         let time = self.state.time;
         let spin = self
@@ -104,10 +92,12 @@ impl BodyState {
 impl Scene {
     /// Gives each of these bodies the trajectory [`Trajectory::coasting`] from its state: what a physics
     /// engine or a network tells of all bodies, each frame. A state with a [spin](BodyState::with_spin)
-    /// gives the body the [orientation](Orientation::spin) as well.
+    /// gives the body the orientation [`Orientation::spin`](crate::Orientation::spin) as well, with the
+    /// [tolerance](crate::Orientation::with_tolerance) that the body's own has.
     ///
     /// A body that is left out keeps its plan. The last state of a body that is named twice counts, also one
-    /// without a spin. A body that had another trajectory of one state takes no memory for the new one.
+    /// without a spin. In steady state nothing is allocated: a body that had another trajectory of one state, and
+    /// another orientation, takes no memory for the new ones.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -141,17 +131,15 @@ impl Scene {
         let mut told = std::mem::take(&mut self.told);
         told.clear();
         let mut checked = Ok(());
-        let mut turning: BTreeMap<BodyId, Orientation> = BTreeMap::new();
         for (id, state) in states {
             let told_state: BodyState = state.into();
             if let Some(motion) = told_state.ordinary_motion()
                 && self.has(id)
             {
-                turning.remove(&id);
-                told.push((id, motion));
+                told.motions.push((id, motion));
                 continue;
             }
-            let taken = self.check_state(id, told_state, &mut told, &mut turning);
+            let taken = self.check_state(id, told_state, &mut told);
             if taken.is_err() {
                 checked = taken.map_err(|error| error.with_id(id));
                 break;
@@ -160,8 +148,9 @@ impl Scene {
         if checked.is_ok() {
             /// Bodies that are fetched ahead.
             const AHEAD: usize = 8;
-            for (place, (id, motion)) in told.iter().enumerate() {
-                if let Some((later, _)) = told.get(place + AHEAD) {
+            told.keep_last_spins();
+            for (place, (id, motion)) in told.motions.iter().enumerate() {
+                if let Some((later, _)) = told.motions.get(place + AHEAD) {
                     self.prefetch(later.slot);
                 }
                 // It was found above.
@@ -170,8 +159,11 @@ impl Scene {
                     entry.follow_straight(motion, &mut self.arena);
                 }
             }
-            for (id, orientation) in turning {
-                drop(self.set_orientation(id, orientation)?);
+            for (place, spin) in &told.spins {
+                let slot = self.slots.get_mut(told.motions[*place].0.slot as usize);
+                if let Some(entry) = slot.and_then(|slot| slot.entry.as_mut()) {
+                    entry.body.orientation.set_spin(spin);
+                }
             }
             self.tidy();
         }
@@ -179,25 +171,24 @@ impl Scene {
         checked
     }
 
-    /// Notes the motion and the orientation of a state.
+    /// Notes the motion and the spin of a state.
     #[inline(never)]
     fn check_state(
         &self,
         id: BodyId,
         state: BodyState,
-        told: &mut Vec<(BodyId, StraightMotion)>,
-        turning: &mut BTreeMap<BodyId, Orientation>,
+        told: &mut ToldStates,
     ) -> Result<(), Error> {
         let body = self.body(id).ok_or(Error::UnknownBody { id })?;
-        let motion = state.motion().map_err(|error| error.in_body(body.tag))?;
-        let orientation = state.orientation();
-        // The last state of a body counts, also one that leaves the orientation as it is.
-        turning.remove(&id);
-        if let Some(orientation) = orientation.map_err(|error| error.in_body(body.tag))? {
-            Body::check_turning(&body.hitbox, &orientation, body.tag)?;
-            turning.insert(id, orientation);
+        let in_body = |error: Error| error.in_body(body.tag);
+        let motion = state.motion().map_err(in_body)?;
+        if let Some(spin) = state.told_spin().map_err(in_body)? {
+            if body.hitbox.is_half_space() {
+                return Err(in_body(Error::TurningHalfSpace));
+            }
+            told.spins.push((told.motions.len(), spin));
         }
-        told.push((id, motion));
+        told.motions.push((id, motion));
         Ok(())
     }
 }
