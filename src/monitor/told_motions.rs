@@ -23,6 +23,8 @@ pub(super) struct ToldMotions {
     place_of: Vec<usize>,
     /// Places of the other bodies, and how each comes to follow its motion, if that is not refused.
     pub(super) others: Vec<(usize, Result<ToldPlan, Error>)>,
+    /// The bodies whose motions were late, and the instants from which they follow them, s.
+    pub(super) late: Vec<(BodyId, f64)>,
 }
 
 impl ToldMotions {
@@ -32,6 +34,7 @@ impl ToldMotions {
         self.spins.clear();
         self.is_moved.clear();
         self.others.clear();
+        self.late.clear();
     }
 
     /// Lists the other changes, once it is known which motions are replaced in place.
@@ -39,7 +42,7 @@ impl ToldMotions {
         let places = self.is_moved.iter().enumerate();
         let others = places.filter(|(_, is_replaced)| !**is_replaced);
         self.others
-            .extend(others.map(|(place, _)| (place, Ok(ToldPlan::Same))));
+            .extend(others.map(|(place, _)| (place, Ok(ToldPlan::Same(0.0)))));
     }
 
     /// Takes a motion in, and a spin if it was given. They replace those of the same body, if there are any.
@@ -83,10 +86,19 @@ impl ToldMotions {
 /// The way in which a body comes to follow a straight motion.
 #[derive(Debug)]
 pub(super) enum ToldPlan {
-    /// The body follows the motion already.
-    Same,
+    /// The body follows the motion already, at least from an instant (s) on.
+    Same(f64),
     /// The body's motion is replaced in place at an instant (s).
     InPlace(f64),
-    /// The body takes another plan.
-    Replan(Box<(Trajectory, MonitoredBody)>),
+    /// The body takes another plan, which it follows from an instant (s) on.
+    Replan(f64, Box<(Trajectory, MonitoredBody)>),
+}
+
+impl ToldPlan {
+    /// Returns the instant from which the body follows the motion, s.
+    pub(super) const fn from(&self) -> f64 {
+        match self {
+            Self::Same(from) | Self::InPlace(from) | Self::Replan(from, _) => *from,
+        }
+    }
 }

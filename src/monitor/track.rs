@@ -29,6 +29,8 @@ impl Monitor {
     ///   that very time, is not changed: leave out bodies that sleep. Nor is one that rests, and is told to rest
     ///   there. Its last knot stays where it was, so [`extend`](Self::extend) refuses what begins at `now`: use
     ///   [`replan`](Self::replan).
+    /// - A state is late if `now` lies before the clock of the last tick. The body then follows it from the instant
+    ///   given by the rule at [`replan`](Self::replan): later than `now` if its motion at `now` was forgotten.
     /// - The last state of a body that is named twice counts.
     /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///
@@ -75,6 +77,12 @@ impl Monitor {
             return Ok(());
         }
         self.follow_states(now, states)
+    }
+
+    /// Returns the bodies whose states in the last call were late, and from when on they follow them (s).
+    #[cfg(feature = "live")]
+    pub(super) fn late_states(&self) -> &[(BodyId, f64)] {
+        &self.told.late
     }
 
     fn follow_states(
@@ -211,7 +219,7 @@ impl Monitor {
         let from = context.follows_from(old, &plan, now);
         let from = from.map_err(in_body)?;
         if old.follows(motion, from) {
-            return Ok(ToldPlan::Same);
+            return Ok(ToldPlan::Same(from));
         }
         if old.can_replace(from, motion, context.window) {
             return Ok(ToldPlan::InPlace(from));
@@ -219,7 +227,7 @@ impl Monitor {
         let done = plan.precede_by(old, from, context.forget_before);
         done.map_err(in_body)?;
         let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
-        Ok(ToldPlan::Replan(Box::new((plan, monitored))))
+        Ok(ToldPlan::Replan(from, Box::new((plan, monitored))))
     }
 
     /// Lets all take effect. Nothing is refused.
@@ -229,13 +237,17 @@ impl Monitor {
         for (place, plan) in told.others.drain(..) {
             let id = told.ids[place];
             let plan = plan?;
-            told.is_moved[place] = !matches!(plan, ToldPlan::Same);
+            told.is_moved[place] = !matches!(plan, ToldPlan::Same(_));
+            // Motions that are replaced in place are followed from `now` on.
+            if now < plan.from() {
+                told.late.push((id, plan.from()));
+            }
             match plan {
-                ToldPlan::Same => {}
+                ToldPlan::Same(_) => {}
                 ToldPlan::InPlace(from) => {
                     self.replace_motion(id, (from, &told.motions[place]))?;
                 }
-                ToldPlan::Replan(replanned) => {
+                ToldPlan::Replan(_, replanned) => {
                     let (mut plan, monitored) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
                     self.register(id, Some(monitored));

@@ -6,7 +6,7 @@ use super::support::{line, rng, wander};
 use super::{Ledger, is_as_screened};
 use glam::DVec3;
 #[cfg(feature = "live")]
-use nearmiss::live::{LiveOptions, ReportKind, Request};
+use nearmiss::live::{Handle, LiveOptions, Report, ReportKind, Request, Ticket};
 #[cfg(feature = "recording")]
 use nearmiss::recording::Replay;
 use nearmiss::{
@@ -344,6 +344,42 @@ fn late_plans_are_followed_as_the_model_says() {
     let counts = [seen.in_time, seen.late, seen.cut_short, seen.refused];
     assert!(counts.iter().all(|&count| count > 100), "{seen:?}");
     assert!(seen.events > 2_000, "{seen:?}");
+}
+
+/// A state that comes late is reported as a plan is: where it is the body's own motion, too.
+#[cfg(feature = "live")]
+#[test]
+fn a_late_state_is_reported_as_a_late_plan_is() {
+    type Tell = fn(&Handle, f64, BodyId, State) -> Ticket;
+    let by_plan: Tell = |game, from, id, state| {
+        let plan = Trajectory::coasting(state).unwrap();
+        game.send(Command::Replan(id, from, plan)).unwrap()
+    };
+    let by_state: Tell =
+        |game, from, id, state| game.track(from, vec![(id, state.into())]).unwrap();
+    for tell in [by_plan, by_state] {
+        let (mut monitor, id) = alone(line(0.0, 9.0, DVec3::ZERO, DVec3::Z));
+        tick(&mut monitor, 2.2);
+        let live = monitor.spawn(LiveOptions::default()).unwrap();
+        let game = live.handle();
+        let state = |from: f64, velocity| State::new(from, DVec3::ZERO, velocity);
+        // What the body did before 2.15 s is forgotten.
+        tell(&game, 2.15, id, state(2.15, DVec3::X));
+        let late = [
+            tell(&game, 2.0, id, state(2.0, DVec3::Y)),
+            tell(&game, 2.0, id, state(2.0, DVec3::Y)),
+        ];
+        tell(&game, 2.2, id, state(2.2, DVec3::X));
+        tell(&game, 2.3, id, state(2.3, DVec3::Y));
+        live.stop_requests();
+        let reports: Vec<Report> = live.reports().iter().collect();
+        let reported = reports.iter().filter_map(|report| match &report.kind {
+            ReportKind::Late { ticket, plans } => Some((*ticket, plans.clone())),
+            _ => None,
+        });
+        let reported: Vec<_> = reported.collect();
+        assert_eq!(reported, late.map(|ticket| (ticket, vec![(id, 2.15)])));
+    }
 }
 
 /// On a network that delays plans by up to half a second, with more orders waiting than a step takes.

@@ -32,8 +32,8 @@ use worker::Worker;
 ///   question ([`Handle::what_if`]), whose answer is about all requests before it. Send plans one by one if
 ///   they need not take effect together: superseded plans in a batch cost as much as others.
 /// - Every request sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
-///   applied is not reported on its own: it was, once a later request is. A late plan is, if it is followed
-///   from later on than it says: [`ReportKind::Late`].
+///   applied is not reported on its own: it was, once a later request is. A late plan or state is, if it is
+///   followed from later on than it says: [`ReportKind::Late`].
 /// - Reports come in order, [numbered](Report::sequence) without a gap, and each goes to one reader. A reader that
 ///   stalls stalls the monitor, not the senders: [`Handle::complete_until`] then stands still.
 /// - After [`Live::stop_requests`] all that was sent before is carried out, and then [`Live::reports`] ends. One

@@ -91,7 +91,8 @@ pub enum ReportKind {
         /// The bodies' ids, in the order in which they were given.
         ids: Vec<BodyId>,
     },
-    /// Plans of a request were [late](crate::Monitor::replan): they are followed from later instants than it says.
+    /// Plans of a request, or states told by [`Handle::track`](super::Handle::track), were
+    /// [late](crate::Monitor::replan): they are followed from later instants than it says.
     Late {
         /// The request.
         ticket: Ticket,

@@ -6,7 +6,9 @@ use super::request::{Request, RequestQueue, Ticket};
 use super::stopped::{Panicked, Stopped};
 use crate::conflict::Conflict;
 use crate::error::Error;
+use crate::id::BodyId;
 use crate::monitor::{Budget, Command, Event, Monitor};
+use crate::scene::BodyState;
 use crossbeam_channel::{Receiver, RecvError, Sender, TryRecvError, TrySendError, select};
 use std::any::Any;
 use std::collections::VecDeque;
@@ -152,7 +154,7 @@ impl Worker {
         let outcome = match request {
             Request::Change(command) => self.apply(ticket, [command]),
             Request::Batch(commands) => self.apply(ticket, commands),
-            Request::Track(now, states) => self.monitor.track(now, states).map(|()| None),
+            Request::Track(now, states) => self.track(ticket, now, states),
             Request::Clock(now) => {
                 let done = self.tick(now);
                 if done.is_err() {
@@ -204,6 +206,18 @@ impl Worker {
             self.report(ReportKind::Late { ticket, plans });
         }
         Ok((!ids.is_empty()).then_some(ReportKind::Inserted { ticket, ids }))
+    }
+
+    /// Lets bodies follow straight motions; returns the report of those that were late.
+    fn track(
+        &mut self,
+        ticket: Ticket,
+        now: f64,
+        states: Vec<(BodyId, BodyState)>,
+    ) -> Result<Option<ReportKind>, Error> {
+        self.monitor.track(now, states)?;
+        let plans = self.monitor.late_states().to_vec();
+        Ok((!plans.is_empty()).then_some(ReportKind::Late { ticket, plans }))
     }
 
     fn tick(&mut self, now: f64) -> Result<(), Error> {
