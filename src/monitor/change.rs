@@ -199,6 +199,9 @@ impl Monitor {
     /// - [`Error::NoNewPlan`]: the new plan does not exist at that instant, or ends there; or it is late and does not
     ///   go on from the clock, where the body's plan still exists.
     ///
+    /// Knots are counted in `plan`. Where the body cannot be followed from its last knot up to that instant, they are
+    /// those of its plan so far.
+    ///
     /// With an orientation in the plan, the errors of [`orient`](Self::orient), too.
     pub fn replan(
         &mut self,

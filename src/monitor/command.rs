@@ -131,6 +131,8 @@ pub(super) struct PendingChange {
     pub(super) trajectory: Option<Trajectory>,
     /// A straight motion that replaces the body's own in place; nothing else changes.
     pub(super) motion: Option<PendingMotion>,
+    /// Number of knots of the last plan as it was given: before these come those of the motion so far.
+    own_knots: usize,
     /// Set while the trajectory is a bare plan, which the past motion must precede.
     splice: Option<PendingSplice>,
     /// Instant from which the body follows its last plan, if that was late, s.
@@ -269,6 +271,7 @@ impl CommandBatch {
             Command::SetTrajectory(_, trajectory) => {
                 change.motion_to_splice();
                 change.splice(scene, context)?;
+                change.own_knots = trajectory.knots().len();
                 change.trajectory = Some(trajectory);
                 change.late = None;
             }
@@ -357,6 +360,7 @@ impl PendingChange {
             is_removed: false,
             trajectory: None,
             motion: None,
+            own_knots: usize::MAX,
             splice: None,
             late: None,
             hitbox: None,
@@ -386,6 +390,7 @@ impl PendingChange {
     ) -> Result<(), Rejection> {
         self.motion_to_splice();
         self.splice(scene, context)?;
+        self.own_knots = plan.knots().len();
         let old = self.trajectory.replace(plan);
         self.splice = Some(PendingSplice {
             from,
@@ -400,6 +405,7 @@ impl PendingChange {
     /// Converts a pending motion to a plan, since more than the motion changes.
     fn motion_to_splice(&mut self) {
         if let Some(pending) = self.motion.take() {
+            self.own_knots = 1;
             self.trajectory = Some(Trajectory::of_straight(pending.motion));
             self.splice = Some(PendingSplice {
                 from: Some(pending.from),
@@ -475,7 +481,12 @@ impl PendingChange {
             let turns = Body::check_turning(hitbox, orientation, body.tag);
             turns.map_err(|error| (self.last, error.with_id(self.id)))?;
             let monitored = context.monitored_body(trajectory, shape, body.tag);
-            self.monitored = Some(monitored.map_err(|error| (self.last, error.with_id(self.id)))?);
+            let before = trajectory.knots().len().saturating_sub(self.own_knots);
+            let monitored = monitored.map_err(|error| {
+                let error = error.after_knots(before).with_id(self.id);
+                (self.last, error)
+            });
+            self.monitored = Some(monitored?);
         }
         Ok(())
     }

@@ -61,8 +61,13 @@ impl Monitor {
     /// [`Error::Clock`]; [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::NotFinite`], [`Error::OutOfRange`],
     /// [`Error::TooFar`], [`Error::NoOldPlan`], [`Error::RotationLength`] or [`Error::AngularSpeed`], as for
     /// [`replan`](Self::replan) and [`Orientation::spin`](crate::Orientation::spin), or with
-    /// [`Error::TurningHalfSpace`] where a half-space is given a spin. The error is that of the first state that is
-    /// refused; nothing was changed then.
+    /// [`Error::TurningHalfSpace`] where a half-space is given a spin. Nothing was changed then.
+    ///
+    /// - A state whose numbers are unusable by themselves is refused, also where a later one of its body would count.
+    /// - What depends on the monitor is judged of each body's last state, in the order in which bodies were first named.
+    ///   That is its clock, its lookahead, and the body's plan. States after an unusable one are not judged.
+    /// - The error is that of the first state, or body, that is refused. The told state is knot 0; other knots are
+    ///   those of the body's plan so far.
     pub fn track<S: Into<BodyState>>(
         &mut self,
         now: f64,
@@ -226,7 +231,10 @@ impl Monitor {
         }
         let done = plan.precede_by(old, from, context.forget_before);
         done.map_err(in_body)?;
-        let monitored = context.monitored_body(&plan, body.shape(), body.tag)?;
+        let monitored = context.monitored_body(&plan, body.shape(), body.tag);
+        // The state is the last knot.
+        let before = plan.knots().len().saturating_sub(1);
+        let monitored = monitored.map_err(|error| error.after_knots(before))?;
         Ok(ToldPlan::Replan(from, Box::new((plan, monitored))))
     }
 

@@ -190,6 +190,66 @@ fn of_a_body_that_is_named_twice_the_last_state_counts() {
     }
 }
 
+/// Its knots so far are no matter of the caller's.
+#[test]
+fn a_state_that_cannot_be_followed_is_knot_0() {
+    let mut scene = Scene::new();
+    let id = scene
+        .insert(Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()))
+        .unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+    monitor.set_history(9.0).unwrap();
+    for tick in 0..6 {
+        let now = 0.5 * f64::from(tick);
+        let far = State::new(now - 1e9, DVec3::ZERO, 1e295 * DVec3::X);
+        let by_state = monitor.track(now, [(id, far)]).unwrap_err();
+        let by_plan = monitor.replan(id, now, Trajectory::coasting(far).unwrap());
+        assert_eq!(by_plan, Err(by_state.clone()));
+        let Error::InBody { error, .. } = by_state else {
+            panic!("{by_state}");
+        };
+        assert!(
+            matches!(*error, Error::OutOfRange { knot: 0, .. }),
+            "{error}"
+        );
+        let state = State::new(now, DVec3::ZERO, f64::from(tick) * DVec3::Y);
+        monitor.track(now, [(id, state)]).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+    }
+}
+
+/// A number that is unusable by itself is refused in any state; what depends on the monitor, in the last state of a
+/// body: of those, the error is that of the body which was named first.
+#[test]
+fn which_state_of_a_body_is_refused() {
+    let mut scene = Scene::new();
+    let [a, b] = [1, 2].map(|tag| {
+        let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+        scene.insert(Body::new(rest).with_tag(tag)).unwrap()
+    });
+    let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+    let state = |time, speed: f64| State::new(time, DVec3::ZERO, speed * DVec3::X);
+    // Out of range at the monitor's clock, not where it was.
+    let (fine, far, unusable) = (state(1.0, 1.0), state(-1e9, 1e295), state(1.0, f64::NAN));
+    let mut refused = |states: &[(BodyId, State)]| {
+        let done = monitor.track(1.0, states.iter().copied());
+        done.err().map(|error| match error {
+            Error::InBody { id, error, .. } => {
+                (id.unwrap(), matches!(*error, Error::NotFinite { .. }))
+            }
+            other => panic!("{other}"),
+        })
+    };
+    assert_eq!(refused(&[(a, unusable), (a, fine)]), Some((a, true)));
+    assert_eq!(refused(&[(a, fine), (b, far), (a, far)]), Some((a, false)));
+    assert_eq!(refused(&[(a, fine), (b, far), (a, fine)]), Some((b, false)));
+    assert_eq!(
+        refused(&[(a, far), (b, unusable), (a, fine)]),
+        Some((a, false))
+    );
+    assert_eq!(refused(&[(a, far), (a, fine)]), None);
+}
+
 /// Returns bodies that turn, in a row, and a state of each at an instant (s).
 fn turning(rng: &mut ChaCha8Rng, count: usize, now: f64) -> (Monitor, Vec<(BodyId, BodyState)>) {
     let mut scene = Scene::new();
