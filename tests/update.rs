@@ -328,3 +328,26 @@ fn an_update_with_a_spin_that_is_refused_changes_nothing() {
     assert!(scene.body(floor).unwrap().orientation.is_fixed());
     assert!(!scene.body(ball).unwrap().orientation.is_fixed());
 }
+
+/// A monitor that is told the state leaves the body as it is; a scene, and a new plan, do not.
+#[test]
+fn a_body_told_to_rest_where_it_rests() {
+    let mut scene = Scene::new();
+    let rest = Trajectory::at_rest(DVec3::X).unwrap();
+    let id = scene.insert(Body::new(rest)).unwrap();
+    let monitor = || Monitor::new(scene.clone(), 0.0, 5.0, &[AlertLevel::at(1.0)]).unwrap();
+    let [mut tracked, mut replanned] = [monitor(), monitor()];
+    let state = State::new(4.0, DVec3::X, DVec3::ZERO);
+    scene.update([(id, state)]).unwrap();
+    tracked.track(4.0, [(id, state)]).unwrap();
+    let plan = Trajectory::coasting(state).unwrap();
+    replanned.replan(id, 4.0, plan).unwrap();
+    let last_knot = |scene: &Scene| scene.body(id).unwrap().trajectory.knots().last().copied();
+    assert_eq!(scene.body(id).unwrap().trajectory.knots(), [4.0]);
+    assert_eq!(last_knot(tracked.scene()), Some(0.0));
+    assert_eq!(last_knot(replanned.scene()), Some(4.0));
+    for (monitor, changed) in [(&mut tracked, 0), (&mut replanned, 1)] {
+        monitor.advance(4.0, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.stats().changed, changed);
+    }
+}

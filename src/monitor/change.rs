@@ -177,6 +177,9 @@ impl Monitor {
     /// # Ok::<(), nearmiss::Error>(())
     /// ```
     ///
+    /// A plan that the body follows already is taken over like any other: `from` becomes a knot, and the body counts as
+    /// [changed](crate::Stats::changed). ([`track`](Self::track) leaves such a body as it is.)
+    ///
     /// Cost: the plan stays in its own memory, which has room for two preceding pieces. Usually one
     /// or two are needed, and nothing is allocated. More are needed with a history, if `from` lies
     /// several knots ahead, or if the plan extends far from its first knot back to `from`. A plan
