@@ -197,6 +197,39 @@ impl Orientation {
         Self::of_parts(self.parts(), Some(tolerance), &[])
     }
 
+    /// Returns the [tolerance](Self::with_tolerance) that was set, relative to a sphere's distance from the body's
+    /// position; none if that of the [accuracy](Self#accuracy-and-cost) counts, or if the body does not turn.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f64> {
+        self.turning().and_then(|turning| turning.tolerance)
+    }
+
+    /// Returns this orientation up to `from` (s), then `next`.
+    ///
+    /// There is no gap at `from`; the rotation may jump there. The [tolerance](Self::tolerance) is that of `next`, or
+    /// this one's if `next` has none. An orientation that is fixed at all times has none.
+    ///
+    /// ```
+    /// use nearmiss::Orientation;
+    /// use nearmiss::glam::{DQuat, DVec3};
+    ///
+    /// let still = Orientation::FIXED;
+    /// let spin = Orientation::spin(5.0, DQuat::IDENTITY, DVec3::Z)?.with_tolerance(1e-4)?;
+    /// let both = still.spliced(5.0, &spin)?;
+    /// assert_eq!(both.rotation(4.0), DQuat::IDENTITY);
+    /// assert_eq!(both.rotation(6.0), spin.rotation(6.0));
+    /// assert_eq!(both.tolerance(), Some(1e-4));
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ChangeTime`] if `from` is NaN or infinite; [`Error::RotationVanishes`] if a
+    /// [normalised cubic](Self::normalized_cubic) cannot be known to the tolerance of the other orientation.
+    pub fn spliced(&self, from: f64, next: &Self) -> Result<Self, Error> {
+        self.followed_by(next, from, f64::NEG_INFINITY)
+    }
+
     /// Returns the orientation that is this one until `from` (s) and `next` from then on. Parts that end
     /// before `since` (s) are dropped. The tolerance is that of `next`, if it has one.
     ///
@@ -207,8 +240,7 @@ impl Orientation {
     pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
         let from = Self::checked_start(from)?;
         let (own, other) = (self.parts(), next.parts());
-        let tolerance = |one: &Self| one.turning().and_then(|turning| turning.tolerance);
-        let tolerance = tolerance(next).or_else(|| tolerance(self));
+        let tolerance = next.tolerance().or_else(|| self.tolerance());
         let known: Vec<&Turning> = [self, next].into_iter().filter_map(Self::turning).collect();
         if let ([.., last], [only]) = (&own[..], &other[..])
             && last.given == only.given
