@@ -355,8 +355,7 @@ fn a_late_state_is_reported_as_a_late_plan_is() {
         let plan = Trajectory::coasting(state).unwrap();
         game.send(Command::Replan(id, from, plan)).unwrap()
     };
-    let by_state: Tell =
-        |game, from, id, state| game.track(from, vec![(id, state.into())]).unwrap();
+    let by_state: Tell = |game, from, id, state| game.track(from, [(id, state)]).unwrap();
     for tell in [by_plan, by_state] {
         let (mut monitor, id) = alone(line(0.0, 9.0, DVec3::ZERO, DVec3::Z));
         tick(&mut monitor, 2.2);

@@ -141,14 +141,32 @@ impl Handle {
     }
 
     /// Lets each of these bodies follow a straight motion from its state, from `now` (s) on: see
-    /// [`Monitor::track`](crate::Monitor::track). Never blocks.
+    /// [`Monitor::track`](crate::Monitor::track). Never blocks. States that come late are reported as
+    /// [`ReportKind::Late`](super::ReportKind::Late).
+    ///
+    /// ```
+    /// # use nearmiss::glam::DVec3;
+    /// # use nearmiss::live::LiveOptions;
+    /// # use nearmiss::{AlertLevel, Body, Monitor, Scene, State, Trajectory};
+    /// # let mut scene = Scene::new();
+    /// # let ship = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    /// # let monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)])?;
+    /// let live = monitor.spawn(LiveOptions::default())?;
+    /// live.handle().track(0.5, [(ship, State::new(0.5, DVec3::X, DVec3::Y))])?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// The errors of [`send`](Self::send). A refusal by [`Monitor::track`](crate::Monitor::track)
     /// comes as [`ReportKind::Refused`](super::ReportKind::Refused).
-    pub fn track(&self, now: f64, states: Vec<(BodyId, BodyState)>) -> Result<Ticket, Unsent> {
-        self.send(Request::Track(now, states))
+    pub fn track<S: Into<BodyState>>(
+        &self,
+        now: f64,
+        states: impl IntoIterator<Item = (BodyId, S)>,
+    ) -> Result<Ticket, Unsent> {
+        let states = states.into_iter().map(|(id, state)| (id, state.into()));
+        self.send(Request::Track(now, states.collect()))
     }
 
     /// Moves the clock to `now` (s). Never blocks.
