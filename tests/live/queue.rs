@@ -2,6 +2,8 @@
 
 use super::{LOOKAHEAD, PATIENCE, crowd};
 use glam::DVec3;
+#[cfg(feature = "serde")]
+use nearmiss::live::Ticket;
 use nearmiss::live::{Live, LiveOptions, ReportKind, Request};
 use nearmiss::{Body, BodyId, Command, Error, State, Trajectory};
 use std::time::Duration;
@@ -128,4 +130,18 @@ fn a_question_is_refused_while_nothing_is_known() {
         |kind: &ReportKind| matches!(kind, ReportKind::WhatIf { ticket, .. } if *ticket == late);
     while !answers(&live.reports().recv_timeout(PATIENCE).unwrap().kind) {}
     assert_eq!(live.shutdown().unwrap().counts.refused, 1);
+}
+
+/// Reports that were written down are told apart by their tickets.
+#[cfg(feature = "serde")]
+#[test]
+fn a_ticket_is_read_as_it_was_written() {
+    let (monitor, _) = crowd(7, 2);
+    let live = monitor.spawn(LiveOptions::default()).unwrap();
+    for now in [0.1, 0.2] {
+        let ticket = live.handle().advance(now).unwrap();
+        let written = serde_json::to_string(&ticket).unwrap();
+        assert_eq!(serde_json::from_str::<Ticket>(&written).unwrap(), ticket);
+    }
+    drop(live.shutdown().unwrap());
 }

@@ -60,7 +60,8 @@ impl Default for LiveOptions {
     }
 }
 
-/// A report of a live monitor, with its number.
+/// A report of a live monitor, with its number. It cannot be serialised, since [`Error`] cannot; an [`Event`] and a
+/// [`Ticket`] can.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Report {

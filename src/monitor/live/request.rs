@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// Names one request: reports about it carry the same ticket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ticket(pub(super) u64);
 
 /// A request to a live monitor.
