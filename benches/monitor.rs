@@ -83,7 +83,7 @@ fn rescreen(
     scene: &mut Scene,
 ) -> [Duration; 2] {
     let plan_of = |command: &Command| match command {
-        Command::Replan(id, _, plan) => Some((*id, plan.clone())),
+        Command::Replan(id, _, plan) => Some((*id, plan.trajectory.clone())),
         _ => None,
     };
     let plans: Vec<(BodyId, Trajectory)> = commands.iter().filter_map(plan_of).collect();

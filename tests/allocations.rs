@@ -188,8 +188,9 @@ fn count_ticks(course: Course) -> u64 {
             .cycle()
             .skip(turn * course.replanned % plans.len())
             .take(count);
-        let replan =
-            |(id, flown): &(BodyId, _)| Command::Replan(*id, before, (course.told)(flown, before));
+        let replan = |(id, flown): &(BodyId, _)| {
+            Command::Replan(*id, before, (course.told)(flown, before).into())
+        };
         let commands: Vec<Command> = match course.by {
             By::Commands => in_turn.clone().map(replan).collect(),
             By::Track => Vec::new(),

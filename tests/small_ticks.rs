@@ -30,7 +30,9 @@ fn ticks() -> u64 {
     let mut boxes = 0;
     for tick in 0..20 {
         let now = f64::from(tick) / 60.0;
-        let told = ids.iter().map(|&id| Command::Replan(id, now, plan(now)));
+        let told = ids
+            .iter()
+            .map(|&id| Command::Replan(id, now, plan(now).into()));
         monitor.apply(told.collect::<Vec<_>>()).unwrap();
         monitor.advance(now, &mut Vec::new()).unwrap();
         boxes = monitor.stats().boxes;

@@ -78,7 +78,7 @@ fn commands(
     let follow = |id: BodyId| {
         let old = &monitor.scene().body(id).unwrap().trajectory;
         let state = State::new(now, old.position(now).unwrap(), old.velocity(now).unwrap());
-        Command::Replan(id, now, plan(rng, state))
+        Command::Replan(id, now, plan(rng, state).into())
     };
     chosen.into_iter().map(follow).collect()
 }

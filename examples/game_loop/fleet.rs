@@ -271,12 +271,10 @@ impl Fleet {
     /// The plans as commands that take effect at the monitor's clock.
     pub(crate) fn commands(&self, plans: Vec<(BodyId, BodyPlan)>) -> Vec<Command> {
         let now = self.monitor.now();
-        let mut commands = Vec::with_capacity(plans.len());
-        for (id, plan) in plans {
-            commands.push(Command::Replan(id, now, plan.trajectory));
-            commands.extend(plan.orientation.map(|next| Command::Orient(id, now, next)));
-        }
+        let commands = plans.into_iter();
         commands
+            .map(|(id, plan)| Command::Replan(id, now, plan))
+            .collect()
     }
 }
 

@@ -18,7 +18,6 @@ use crate::orientation::Orientation;
 use crate::scene::{Body, BodyPlan};
 use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
-use std::iter::once;
 
 impl Monitor {
     /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
@@ -212,10 +211,7 @@ impl Monitor {
         from: f64,
         plan: impl Into<BodyPlan>,
     ) -> Result<f64, Error> {
-        let plan = plan.into();
-        let orient = plan.orientation.map(|next| Command::Orient(id, from, next));
-        let replan = Command::Replan(id, from, plan.trajectory);
-        self.apply(once(replan).chain(orient))?;
+        self.apply([Command::Replan(id, from, plan.into())])?;
         Ok(self.late_plans().next().map_or(from, |(_, late)| late))
     }
 
@@ -239,12 +235,7 @@ impl Monitor {
     ///
     /// The errors of [`replan`](Self::replan).
     pub fn extend(&mut self, id: BodyId, plan: impl Into<BodyPlan>) -> Result<(), Error> {
-        let plan = plan.into();
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
-        let last = body.trajectory.knots().last().copied().unwrap_or(0.0);
-        let orient = plan.orientation.map(|next| Command::Orient(id, last, next));
-        let extend = Command::Extend(id, plan.trajectory);
-        self.apply(once(extend).chain(orient)).map(drop)
+        self.apply([Command::Extend(id, plan.into())]).map(drop)
     }
 
     /// Applies several changes together, or none if one is refused. Returns the ids of the inserted

@@ -8,7 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::orientation::Orientation;
 use crate::parallel;
-use crate::scene::{Body, Scene, checked_model_error};
+use crate::scene::{Body, BodyPlan, Scene, checked_model_error};
 use crate::shape::BodyShape;
 use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
@@ -34,13 +34,14 @@ pub enum Command {
     /// Replaces a model error (m): see [`Body::with_model_error`].
     SetModelError(BodyId, f64),
     /// Keeps the old plan up to the time (s), then follows the new one: see
-    /// [`Monitor::replan`](crate::Monitor::replan).
-    Replan(BodyId, f64, Trajectory),
+    /// [`Monitor::replan`](crate::Monitor::replan). A trajectory alone is `trajectory.into()`.
+    Replan(BodyId, f64, BodyPlan),
     /// Keeps the old orientation up to the time (s), then follows the new one: see
     /// [`Monitor::orient`](crate::Monitor::orient).
     Orient(BodyId, f64, Orientation),
-    /// Appends a plan after the last knot: see [`Monitor::extend`](crate::Monitor::extend).
-    Extend(BodyId, Trajectory),
+    /// Appends a plan after the last knot: see [`Monitor::extend`](crate::Monitor::extend). A trajectory alone is
+    /// `trajectory.into()`.
+    Extend(BodyId, BodyPlan),
     /// Ignores a pair: see [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
     IgnorePair(BodyId, BodyId),
     /// Stops ignoring a pair.
@@ -284,25 +285,34 @@ impl CommandBatch {
                 let checked = checked.map_err(|error| refuse(error.in_body(tag).with_id(id)))?;
                 change.model_error = Some(checked);
             }
-            Command::Orient(_, from, next) => {
-                let body = change.body(scene)?;
-                let before = change.orientation.as_ref().unwrap_or(&body.orientation);
-                let both = before.followed_by(&next, from, context.forget_before);
-                let both = both.map_err(|error| refuse(error.in_body(body.tag).with_id(id)))?;
-                change.orientation = Some(both);
-            }
-            Command::Replan(_, from, plan) => match plan.straight() {
-                Some((&motion, _)) if change.trajectory.is_none() && change.motion.is_none() => {
-                    let command = number;
-                    change.motion = Some(PendingMotion {
-                        from,
-                        motion,
-                        command,
-                    });
+            Command::Orient(_, from, next) => change.orient(scene, (from, &next), context)?,
+            Command::Replan(_, from, plan) => {
+                let is_first = change.trajectory.is_none() && change.motion.is_none();
+                match plan.trajectory.straight() {
+                    Some((&motion, _)) if is_first => {
+                        let command = number;
+                        change.motion = Some(PendingMotion {
+                            from,
+                            motion,
+                            command,
+                        });
+                    }
+                    _ => change.follow(scene, Some(from), plan.trajectory, context)?,
                 }
-                _ => change.follow(scene, Some(from), plan, context)?,
-            },
-            Command::Extend(_, plan) => change.follow(scene, None, plan, context)?,
+                if let Some(next) = &plan.orientation {
+                    change.orient(scene, (from, next), context)?;
+                }
+            }
+            Command::Extend(_, plan) => {
+                let turn = match &plan.orientation {
+                    Some(next) => Some((change.last_knot(scene, context)?, next)),
+                    None => None,
+                };
+                change.follow(scene, None, plan.trajectory, context)?;
+                if let Some(turn) = turn {
+                    change.orient(scene, turn, context)?;
+                }
+            }
         }
         Ok(())
     }
@@ -400,6 +410,30 @@ impl PendingChange {
         old.map_or(Ok(()), |old| {
             self.precede_by(&old, self.body(scene)?.tag, context)
         })
+    }
+
+    /// Returns the last knot of the plan so far, s.
+    fn last_knot(&mut self, scene: &Scene, context: &ChangeContext<'_>) -> Result<f64, Rejection> {
+        self.motion_to_splice();
+        self.splice(scene, context)?;
+        let own = &self.body(scene)?.trajectory;
+        let plan = self.trajectory.as_ref().unwrap_or(own);
+        Ok(plan.knots().last().copied().unwrap_or(0.0))
+    }
+
+    /// Lets the body turn as `next` says from `from` (s) on.
+    fn orient(
+        &mut self,
+        scene: &Scene,
+        (from, next): (f64, &Orientation),
+        context: &ChangeContext<'_>,
+    ) -> Result<(), Rejection> {
+        let body = self.body(scene)?;
+        let before = self.orientation.as_ref().unwrap_or(&body.orientation);
+        let both = before.followed_by(next, from, context.forget_before);
+        let both = both.map_err(|error| (self.last, error.in_body(body.tag).with_id(self.id)))?;
+        self.orientation = Some(both);
+        Ok(())
     }
 
     /// Converts a pending motion to a plan, since more than the motion changes.

@@ -415,7 +415,7 @@ fn a_live_monitor_says_what_an_embedded_one_says() {
         states[0] = State::new(from, position, states[0].velocity);
         let plan = Trajectory::from_states(&states).unwrap();
         handle
-            .send(Command::Replan(id, from, plan.clone()))
+            .send(Command::Replan(id, from, plan.clone().into()))
             .unwrap();
         handle.advance(now).unwrap();
         let mut heard = Vec::new();

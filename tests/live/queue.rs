@@ -42,7 +42,9 @@ fn a_clock_that_goes_back_supersedes_no_plan() {
     }
     let always = Trajectory::coasting(State::new(0.0, DVec3::X, DVec3::ZERO)).unwrap();
     for plan in [always.clone(), until(7.0, 9.0)] {
-        handle.send(Command::Replan(ids[0], 0.0, plan)).unwrap();
+        handle
+            .send(Command::Replan(ids[0], 0.0, plan.into()))
+            .unwrap();
     }
     live.stop_requests();
     let reports: Vec<_> = live.reports().iter().collect();
@@ -69,7 +71,7 @@ fn a_clock_that_is_refused_is_forgotten() {
     held(&live);
     handle.send(Request::Clock(0.5)).unwrap();
     for y in [1.0, 2.0, 3.0] {
-        let replan = Command::Replan(ids[0], 0.0, until(20.0 + LOOKAHEAD, y));
+        let replan = Command::Replan(ids[0], 0.0, until(20.0 + LOOKAHEAD, y).into());
         handle.send(replan).unwrap();
     }
     live.stop_requests();

@@ -82,7 +82,7 @@ fn a_late_plan_of_a_batch_follows_those_before_it() {
     for monitor in [&mut together, &mut in_turn] {
         tick(monitor, 5.0);
     }
-    let plan = |start: f64, velocity| Command::Replan(id, start, away(start, velocity));
+    let plan = |start: f64, velocity| Command::Replan(id, start, away(start, velocity).into());
     // What the body did before 3 s is forgotten with the first one.
     let plans = [plan(3.0, DVec3::X), plan(2.0, DVec3::Y)];
     for plan in plans.clone() {
@@ -258,7 +258,7 @@ fn random_late_plans(seed: u64, history: f64, seen: &mut Seen) {
             let expected = takes_over(&old, &new, from, clock);
             let done = if rng.random_bool(0.3) {
                 // Twice at once: what the first one leaves is what the second one follows.
-                let twice = [(); 2].map(|()| Command::Replan(id, from, new.clone()));
+                let twice = [(); 2].map(|()| Command::Replan(id, from, new.clone().into()));
                 monitor.apply(twice).map(|_| expected.unwrap_or(from))
             } else {
                 monitor.replan(id, from, new.clone())
@@ -353,7 +353,7 @@ fn a_late_state_is_reported_as_a_late_plan_is() {
     type Tell = fn(&Handle, f64, BodyId, State) -> Ticket;
     let by_plan: Tell = |game, from, id, state| {
         let plan = Trajectory::coasting(state).unwrap();
-        game.send(Command::Replan(id, from, plan)).unwrap()
+        game.send(Command::Replan(id, from, plan.into())).unwrap()
     };
     let by_state: Tell = |game, from, id, state| game.track(from, [(id, state)]).unwrap();
     for tell in [by_plan, by_state] {
@@ -408,7 +408,7 @@ fn a_backlog_loses_no_late_plan() {
             let delay = f64::from((frame * 37 + number * 11) % 60) / 120.0;
             let from = (clock - delay).max(0.0);
             *last = long(from - 0.01);
-            orders.push(Command::Replan(ids[number as usize], from, last.clone()).into());
+            orders.push(Command::Replan(ids[number as usize], from, last.clone().into()).into());
         }
     }
     orders.push(Request::Clock(1.0));

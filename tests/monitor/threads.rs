@@ -39,7 +39,7 @@ fn flown(threads: usize) -> (Vec<u64>, usize, usize) {
             let count = [0, 3, 40, 600, BODIES][tick % 5];
             let first = rng.random_range(0..BODIES);
             let changed = ids.iter().cycle().skip(first).take(count);
-            let commands = changed.map(|&id| Command::Replan(id, now, plan(&mut rng, now)));
+            let commands = changed.map(|&id| Command::Replan(id, now, plan(&mut rng, now).into()));
             let commands: Vec<Command> = commands.collect();
             monitor.apply(commands).unwrap();
             let mut news = Vec::new();

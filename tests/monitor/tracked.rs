@@ -211,7 +211,7 @@ impl Pair {
             let last_knot = from.max(state.time);
             followed.insert(id, Followed { state, last_knot });
             let plan = Trajectory::coasting(state).unwrap();
-            commands.push(Command::Replan(id, now, plan));
+            commands.push(Command::Replan(id, now, plan.into()));
         }
         let count = commands.len();
         let done = self.tracked.track(now, states.iter().copied());

@@ -92,7 +92,7 @@ fn monitors_say_what_screenings_say() {
             }
             5 => {
                 let batch = [
-                    Command::Replan(id, from, next),
+                    Command::Replan(id, from, next.into()),
                     Command::Orient(id, from + 0.5, turn.clone()),
                     Command::Orient(id, from + 1.5, Orientation::FIXED),
                 ];
@@ -199,6 +199,56 @@ fn bodies_told_with_their_spin() {
     assert_eq!(monitor.scene().body(ids[0]), before.as_ref());
     let refused = other.update([(ids[0], state), (ids[1], bad)]);
     assert!(matches!(refused, Err(Error::InBody { .. })));
+}
+
+/// In a batch, too: each plan brings its orientation, from the instant on from which it is followed.
+#[test]
+fn commands_carry_plans_that_turn() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let rng = &mut rng;
+    for round in 0..40 {
+        let mut scene = Scene::new();
+        let id = scene.insert(body(rng)).unwrap();
+        let levels = [AlertLevel::at(MARGIN)];
+        let monitor = || Monitor::new(scene.clone(), 0.0, LOOKAHEAD, &levels).unwrap();
+        let [mut together, mut in_turn, mut apart] = [(); 3].map(|()| monitor());
+        let (first, second) = (plan(rng, 1.0), plan(rng, 7.0));
+        let turns = [spin(rng, 1.0), spin(rng, 3.0)];
+        let [a, b] = turns.clone();
+        let (a, b) = (a.with_tolerance(1e-4).unwrap(), b);
+        let [replan, extend] = [(&first, &a), (&second, &b)]
+            .map(|(plan, turn)| BodyPlan::new(plan.clone(), turn.clone()));
+        let batch = [
+            Command::Replan(id, 1.0, replan.clone()),
+            Command::Extend(id, extend.clone()),
+        ];
+        #[cfg(feature = "serde")]
+        let batch = batch.map(|command| {
+            let written = serde_json::to_string(&command).unwrap();
+            let read: Command = serde_json::from_str(&written).unwrap();
+            assert_eq!(read, command);
+            read
+        });
+        together.apply(batch).unwrap();
+        in_turn.replan(id, 1.0, replan).unwrap();
+        in_turn.extend(id, extend).unwrap();
+        let last = *first.knots().last().unwrap();
+        apart
+            .apply([
+                Command::Replan(id, 1.0, first.into()),
+                Command::Orient(id, 1.0, a),
+                Command::Extend(id, second.into()),
+                Command::Orient(id, last, b),
+            ])
+            .unwrap();
+        let found = together.scene().body(id).unwrap();
+        assert_eq!(Some(found), in_turn.scene().body(id), "{round}");
+        assert_eq!(Some(found), apart.scene().body(id), "{round}");
+        assert_eq!(found.orientation.tolerance(), Some(1e-4));
+        let [before, after] = [last - 0.1, last + 0.1].map(|time| found.orientation.rotation(time));
+        assert_eq!(before, turns[0].rotation(last - 0.1));
+        assert_eq!(after, turns[1].rotation(last + 0.1));
+    }
 }
 
 /// Whichever of its motion and its spin changes, and however it comes to follow them.

@@ -18,7 +18,8 @@ pub struct Ticket(pub(super) u64);
 /// A plan replaces an earlier one of the same body altogether if it is
 /// [`Command::SetTrajectory`], or if both are [`Command::Replan`] and the later one begins no
 /// later than the earlier. Its plan must exist at that time and go on from there, and from the clock by then: otherwise it
-/// may be refused, and the earlier one is kept. It may still be refused for a reason that only the scene knows: the body
+/// may be refused, and the earlier one is kept. An earlier plan with an orientation is kept, too, unless the later one has
+/// an orientation that leaves nothing of it, not even its tolerance. It may still be refused for a reason that only the scene knows: the body
 /// is not there at that time, say. Then the earlier one is gone as well. A sender of plans for later than the body exists
 /// should wait for the answer, or send a batch.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,15 +77,33 @@ fn plan_of(request: &Request) -> Option<BodyId> {
 /// (s).
 fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
     match (later, earlier) {
+        (
+            Request::Change(Command::SetTrajectory(..)),
+            Request::Change(Command::Replan(_, _, earlier) | Command::Extend(_, earlier)),
+        ) => earlier.orientation.is_none(),
         (Request::Change(Command::SetTrajectory(..)), _) => true,
         (
             Request::Change(Command::Replan(_, from, plan)),
-            Request::Change(Command::Replan(_, earlier_from, _)),
+            Request::Change(Command::Replan(_, earlier_from, earlier)),
         ) => {
-            let is_taken = plan.goes_on_from(*from) && plan.goes_on_from(from.max(clock));
-            from <= earlier_from && is_taken
+            let moves = &plan.trajectory;
+            let is_taken = moves.goes_on_from(*from) && moves.goes_on_from(from.max(clock));
+            from <= earlier_from && is_taken && turns_instead(plan, earlier)
         }
         _ => false,
+    }
+}
+
+/// Returns true if nothing is left of the orientation in an earlier plan once a later one, which begins no later, is
+/// followed.
+fn turns_instead(later: &BodyPlan, earlier: &BodyPlan) -> bool {
+    match (&later.orientation, &earlier.orientation) {
+        (_, None) => true,
+        (None, Some(_)) => false,
+        // A tolerance stays with those that have none, and ends with an orientation that is fixed.
+        (Some(later), Some(earlier)) => {
+            later.tolerance().is_some() || (earlier.tolerance().is_none() && !earlier.is_fixed())
+        }
     }
 }
 

@@ -12,9 +12,10 @@ use crate::error::Error;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::monitor::{AlertLevel, Budget, Command, EndReason, Event, EventKind};
-use crate::scene::{Body, Scene};
+use crate::orientation::Orientation;
+use crate::scene::{Body, BodyPlan, Scene};
 use crate::trajectory::{State, Trajectory};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::time::Duration;
 
 fn rest(x: f64) -> Trajectory {
@@ -124,7 +125,7 @@ fn waiting_orders_coalesce_as_the_contract_says() {
         number += 1;
         queue.push(Ticket(number), request)
     };
-    let plan = |id, from| Request::Change(Command::Replan(id, from, rest(0.0)));
+    let plan = |id, from| Request::Change(Command::Replan(id, from, rest(0.0).into()));
     let set = |id| Request::Change(Command::SetTrajectory(id, rest(0.0)));
     let layers = |id| Request::Change(Command::SetLayers(id, Layers::NONE));
     // The latest plan wins, whatever else lies between.
@@ -179,7 +180,7 @@ fn waiting_orders_coalesce_as_the_contract_says() {
         Request::Change(Command::Replan(
             id,
             from,
-            Trajectory::from_states(&states).unwrap(),
+            Trajectory::from_states(&states).unwrap().into(),
         ))
     };
     assert_eq!(push(&mut queue, plan(a, 5.0)), 0);
@@ -190,11 +191,44 @@ fn waiting_orders_coalesce_as_the_contract_says() {
     assert_eq!(push(&mut queue, over(a, 0.5)), 0);
     assert_eq!(push(&mut queue, plan(a, 0.5)), 2);
     // Nor does one replace what another one may rest on.
-    let extend = |id| Request::Change(Command::Extend(id, rest(1.0)));
+    let extend = |id| Request::Change(Command::Extend(id, rest(1.0).into()));
     assert_eq!(push(&mut queue, plan(b, 5.0)), 0);
     assert_eq!(push(&mut queue, extend(b)), 0);
     assert_eq!(push(&mut queue, plan(b, 5.0)), 0);
     assert_eq!(push(&mut queue, set(b)), 3);
+}
+
+/// A plan with an orientation is replaced where nothing is left of that.
+#[test]
+fn an_orientation_is_not_lost_with_the_plan_that_carried_it() {
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z).unwrap();
+    let fine = spin.clone().with_tolerance(1e-4).unwrap();
+    let plans = [None, Some(spin), Some(fine), Some(Orientation::FIXED)];
+    let (_, [id, _]) = monitor();
+    let replan = |orientation: &Option<Orientation>| {
+        let (trajectory, orientation) = (rest(0.0), orientation.clone());
+        let plan = BodyPlan {
+            trajectory,
+            orientation,
+        };
+        Request::Change(Command::Replan(id, 5.0, plan))
+    };
+    // By the earlier plan: whether each of the later ones, and a whole trajectory, replaces it.
+    let expected = [
+        [1, 1, 1, 1, 1],
+        [0, 1, 1, 1, 0],
+        [0, 0, 1, 0, 0],
+        [0, 0, 1, 0, 0],
+    ];
+    for (earlier, expected) in plans.iter().zip(expected) {
+        let set = Request::Change(Command::SetTrajectory(id, rest(0.0)));
+        let later = plans.iter().map(replan).chain([set]);
+        for (later, superseded) in later.zip(expected) {
+            let mut queue = RequestQueue::at(0.0, 10.0);
+            queue.push(Ticket(0), replan(earlier));
+            assert_eq!(queue.push(Ticket(1), later), superseded, "{earlier:?}");
+        }
+    }
 }
 
 /// Nothing is remembered of requests that were taken, however long others wait.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, io};
 
 /// The first line; the number is the version of the format.
-pub(super) const TITLE: &str = "nearmiss recording 5\n";
+pub(super) const TITLE: &str = "nearmiss recording 6\n";
 
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;

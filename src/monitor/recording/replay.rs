@@ -37,9 +37,9 @@ use std::io::{BufRead, Read};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Format, version 5
+/// # Format, version 6
 ///
-/// A text file. The first line is `nearmiss recording 5`. Each further line is one record:
+/// A text file. The first line is `nearmiss recording 6`. Each further line is one record:
 ///
 /// ```text
 /// LENGTH CHECKSUM JSON
