@@ -353,7 +353,9 @@ fn a_late_state_is_reported_as_a_late_plan_is() {
     type Tell = fn(&Handle, f64, BodyId, State) -> Ticket;
     let by_plan: Tell = |game, from, id, state| {
         let plan = Trajectory::coasting(state).unwrap();
-        game.send(Command::Replan(id, from, plan.into())).unwrap()
+        // In a batch: the next plan does not supersede it.
+        game.send(vec![Command::Replan(id, from, plan.into())])
+            .unwrap()
     };
     let by_state: Tell = |game, from, id, state| game.track(from, [(id, state)]).unwrap();
     for tell in [by_plan, by_state] {
@@ -362,8 +364,9 @@ fn a_late_state_is_reported_as_a_late_plan_is() {
         let live = monitor.spawn(LiveOptions::default()).unwrap();
         let game = live.handle();
         let state = |from: f64, velocity| State::new(from, DVec3::ZERO, velocity);
-        // What the body did before 2.15 s is forgotten.
-        tell(&game, 2.15, id, state(2.15, DVec3::X));
+        // What the body did before 2.1 s is forgotten with the second one.
+        tell(&game, 2.1, id, state(2.1, DVec3::X));
+        tell(&game, 2.15, id, state(2.15, -DVec3::X));
         let late = [
             tell(&game, 2.0, id, state(2.0, DVec3::Y)),
             tell(&game, 2.0, id, state(2.0, DVec3::Y)),
@@ -377,7 +380,7 @@ fn a_late_state_is_reported_as_a_late_plan_is() {
             _ => None,
         });
         let reported: Vec<_> = reported.collect();
-        assert_eq!(reported, late.map(|ticket| (ticket, vec![(id, 2.15)])));
+        assert_eq!(reported, late.map(|ticket| (ticket, vec![(id, 2.1)])));
     }
 }
 
