@@ -5,115 +5,20 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is what is looked for")]
 
-use glam::DVec3;
+mod covers;
+mod strategies;
+mod turning;
+
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, Budget, ClosestApproach, Command, Conflict, Event, Hitbox, Monitor,
-    Outside, Query, Scene, Sphere, State, TimeBase, TimeEnclosure, Trajectory, Window,
+    Accuracy, AlertLevel, Body, Budget, ClosestApproach, Command, Conflict, Event, Monitor, Query,
+    Scene, TimeEnclosure,
 };
 use proptest::collection::vec;
-use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};
+use proptest::prelude::{Strategy, any, prop_oneof};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use std::cell::Cell;
-
-/// Any bits, and numbers that are likely to do harm together.
-fn number() -> BoxedStrategy<f64> {
-    prop_oneof![
-        3 => -10.0..10.0_f64,
-        2 => any::<u64>().prop_map(f64::from_bits),
-        1 => (-320..310_i32, -9.9..9.9_f64).prop_map(|(power, digits)| digits * 10_f64.powi(power)),
-        1 => proptest::sample::select(vec![
-            0.0,
-            -0.0,
-            1.0,
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::MAX,
-            f64::MIN_POSITIVE,
-            5e-324,
-            1e300,
-            -1e300,
-            1e-300,
-            f64::EPSILON,
-        ]),
-    ]
-    .boxed()
-}
-
-fn vector() -> impl Strategy<Value = DVec3> {
-    [number(), number(), number()].prop_map(DVec3::from_array)
-}
-
-/// States in the order of time more often than not.
-fn states() -> impl Strategy<Value = Vec<State>> {
-    let state = (number(), vector(), vector());
-    let state = state.prop_map(|(time, position, velocity)| State::new(time, position, velocity));
-    (vec(state, 0..5), any::<bool>()).prop_map(|(mut states, sorts)| {
-        if sorts {
-            states.sort_by(|x, y| x.time.total_cmp(&y.time));
-        }
-        states
-    })
-}
-
-fn outside() -> impl Strategy<Value = Outside> {
-    proptest::sample::select(vec![Outside::Absent, Outside::Extrapolate, Outside::Coast])
-}
-
-fn trajectory() -> impl Strategy<Value = Option<Trajectory>> {
-    let coefficients = vec([vector(), vector(), vector(), vector()], 0..3);
-    let base = proptest::sample::select(vec![TimeBase::Absolute, TimeBase::SegmentLocal]);
-    let made = prop_oneof![
-        4 => states().prop_map(|states| Trajectory::from_states(&states).ok()),
-        1 => vec((number(), vector()), 0..5)
-            .prop_map(|positions| Trajectory::from_positions(&positions).ok()),
-        1 => (vec(number(), 0..4), coefficients, base).prop_map(|(knots, coefficients, base)| {
-            Trajectory::from_coefficients(&knots, &coefficients, base).ok()
-        }),
-        1 => vector().prop_map(|position| Trajectory::at_rest(position).ok()),
-        1 => (number(), vector(), vector()).prop_map(|(time, position, velocity)| {
-            Trajectory::coasting(State::new(time, position, velocity)).ok()
-        }),
-    ];
-    (made, outside()).prop_map(|(made, outside)| Some(made?.with_outside(outside)))
-}
-
-fn hitbox() -> impl Strategy<Value = Hitbox> {
-    let sphere = (vector(), number()).prop_map(|(offset, radius)| Sphere { offset, radius });
-    vec(sphere, 0..3).prop_map(|spheres| match spheres[..] {
-        [one] => Hitbox::sphere(one.radius).unwrap_or_default(),
-        _ => Hitbox::cluster(spheres).unwrap_or_default(),
-    })
-}
-
-/// A plan of ordinary numbers, which meets others of its kind.
-fn ordinary() -> impl Strategy<Value = Option<Trajectory>> {
-    let vector = || [-10.0..10.0_f64, -10.0..10.0, -10.0..10.0].prop_map(DVec3::from_array);
-    vec((vector(), vector()), 2..4).prop_map(|states| {
-        let state = |(time, (position, velocity))| State::new(time, position, velocity);
-        let states: Vec<State> = (0..10).map(f64::from).zip(states).map(state).collect();
-        Trajectory::from_states(&states).ok()
-    })
-}
-
-fn body() -> impl Strategy<Value = Option<Body>> {
-    let trajectory = prop_oneof![trajectory(), ordinary()];
-    (trajectory, hitbox())
-        .prop_map(|(trajectory, hitbox)| Some(Body::new(trajectory?).with_hitbox(hitbox)))
-}
-
-fn window() -> impl Strategy<Value = Window> {
-    prop_oneof![
-        1 => Just(Window::ALL),
-        2 => (number(), number()).prop_map(|(x, y)| Window::new(x, y).unwrap_or(Window::ALL)),
-        2 => (-10.0..10.0_f64, 0.0..10.0_f64)
-            .prop_map(|(start, length)| Window::new(start, start + length).unwrap()),
-        // Instants, that of a body at rest among them.
-        1 => proptest::sample::select(vec![-1.0, 0.0, 1.0])
-            .prop_map(|time| Window::new(time, time).unwrap()),
-    ]
-}
+use strategies::{body, number, ordinary, trajectory, window};
 
 /// Runs a test on some cases. It returns true where there was something to check: in a share of them at least.
 fn run<T: std::fmt::Debug>(
@@ -219,30 +124,36 @@ fn trajectories() {
     );
 }
 
+/// Screens by every method, at both accuracies, which must agree. Returns what `Exact` and `Certified` find, or
+/// the same refusals.
+fn screened(scene: &Scene, query: &Query) -> Vec<Conflict> {
+    let mut conflicts = Vec::new();
+    for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+        let answers = Method::EVERY
+            .map(|method| scene.screen(&query.with_accuracy(accuracy).with_method(method)));
+        let [first, rest @ ..] = answers;
+        for other in rest {
+            let same = match (&first, &other) {
+                (Ok(x), Ok(y)) => x.conflicts == y.conflicts,
+                (Err(x), Err(y)) => x.to_string() == y.to_string(),
+                _ => false,
+            };
+            assert!(same, "{accuracy:?}: {first:?} {other:?}");
+        }
+        if let Ok(screening) = first {
+            screening.conflicts.iter().for_each(assert_sound);
+            conflicts.extend(screening.conflicts);
+        }
+    }
+    conflicts
+}
+
 #[test]
 fn screenings() {
     let question = (vec(body(), 0..5), window(), number());
     run(2_000, 0.04, question, |(bodies, window, margin)| {
         let scene = scene_of(bodies);
-        let mut conflicts = 0;
-        let query = Query::new(window).with_margin(margin);
-        for accuracy in [Accuracy::Exact, Accuracy::Certified] {
-            let answers = Method::EVERY
-                .map(|method| scene.screen(&query.with_accuracy(accuracy).with_method(method)));
-            let [first, rest @ ..] = answers;
-            for other in rest {
-                let same = match (&first, &other) {
-                    (Ok(x), Ok(y)) => x.conflicts == y.conflicts,
-                    (Err(x), Err(y)) => x.to_string() == y.to_string(),
-                    _ => false,
-                };
-                assert!(same, "{accuracy:?}: {first:?} {other:?}");
-            }
-            if let Ok(screening) = first {
-                screening.conflicts.iter().for_each(assert_sound);
-                conflicts += screening.conflicts.len();
-            }
-        }
+        let conflicts = screened(&scene, &Query::new(window).with_margin(margin));
         let ids: Vec<_> = scene.bodies().map(|(id, _)| id).collect();
         if let [a, b, ..] = ids[..] {
             if let Ok(Some(closest)) = scene.closest_approach(a, b, window) {
@@ -253,7 +164,7 @@ fn screenings() {
                 assert!(closest.error >= 0.0 && closest.error.is_finite());
             }
         }
-        conflicts > 0
+        !conflicts.is_empty()
     });
 }
 
