@@ -22,6 +22,11 @@
 //! | margins 0 and below, radius 0 | a negative sum is never reached, a zero one only touched | | | |
 //! | subnormal values | served, to some times the smallest normal number: all unresolved | 40 | 40 | 1.4e14 |
 //! | squares that overflow (1e200 m) | served | 42 | 20 | 3.4e-15 |
+//! | told states 1e9 s old, or of 1e9 s later | the state's own numbers are the truth | 40 | 20 | 1.7e-15 |
+//! | told states 1e9 m away | the state's own numbers are the truth | 40 | 20 | 5.0e-23 |
+//! | told states 1e-9 s old | the state's own numbers are the truth | 40 | 20 | 1.9e-15 |
+//! | told bodies that rest | served | 40 | 20 | 3.8e-15 |
+//! | bodies that are told twice | the last state counts | 40 | 20 | 1.7e-15 |
 //! | beyond ±1e300 | a typed error with knot and value | | | |
 
 #![allow(
@@ -36,6 +41,8 @@ mod cases;
 #[path = "oracle/check.rs"]
 mod check;
 mod oracle_support;
+#[path = "extremes/told.rs"]
+mod told;
 
 use cases::Case;
 use check::Truth;
@@ -65,23 +72,32 @@ impl Row {
 
     /// Asks at both accuracies, and checks both answers.
     fn ask(&mut self, case: &Case) -> Vec<Conflict> {
-        let certified = screen(&case.scene(), case.margin, Accuracy::Certified);
-        let truth = Truth::of(case);
-        assert_eq!(truth.wrong(&certified), None, "{case:?} {certified:?}");
-        assert_eq!(
-            truth.wrong_thoroughly(&certified),
-            None,
-            "{case:?} {certified:?}"
-        );
-        let scale = case.scale();
-        for conflict in &certified {
+        let (scene, margin) = (case.scene(), case.margin);
+        let certified = screen(&scene, margin, Accuracy::Certified);
+        let exact = screen(&scene, margin, Accuracy::Exact);
+        let truth = (&Truth::of(case), case.scale());
+        self.check(&certified, &exact, truth, &format!("{case:?}"));
+        certified
+    }
+
+    /// Checks certified answers and others, to a question of a local scale (m).
+    fn check(
+        &mut self,
+        certified: &[Conflict],
+        exact: &[Conflict],
+        (truth, scale): (&Truth, f64),
+        case: &str,
+    ) {
+        assert_eq!(truth.wrong(certified), None, "{case} {certified:?}");
+        let thoroughly = truth.wrong_thoroughly(certified);
+        assert_eq!(thoroughly, None, "{case} {certified:?}");
+        for conflict in certified {
             let proof = conflict.certificate.unwrap();
             self.conflicts += 1;
             self.unresolved += usize::from(!proof.resolved);
             self.widest = self.widest.max(2.0 * proof.error / scale);
         }
-        let exact = screen(&case.scene(), case.margin, Accuracy::Exact);
-        for conflict in exact.iter().chain(&certified) {
+        for conflict in exact.iter().chain(certified) {
             assert_finite(conflict);
         }
         // A touch is decided by rounding: `Exact` reports what comes that near, too.
@@ -96,15 +112,11 @@ impl Row {
             let found = exact
                 .iter()
                 .find(covers)
-                .unwrap_or_else(|| panic!("{case:?}"));
+                .unwrap_or_else(|| panic!("{case} {exact:?} {conflict:?}"));
             let off = (found.closest.separation - conflict.closest.separation).abs();
             // 64 roundings of the local scale, and the smallest numbers.
-            assert!(
-                off <= 64.0 * f64::EPSILON * scale + 1e-320,
-                "{off} {case:?}"
-            );
+            assert!(off <= 64.0 * f64::EPSILON * scale + 1e-320, "{off} {case}");
         }
-        certified
     }
 }
 
