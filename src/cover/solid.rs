@@ -176,16 +176,22 @@ impl Solid {
     }
 }
 
-/// Returns a form that is a ball, if nothing was rounded.
+/// Returns the ball that a form is, maybe of radius 0, if nothing was rounded.
 fn ball((form, rounded): &(SolidForm, f64)) -> Option<Sphere> {
     match form {
-        SolidForm::Capsule { ends, radius } if ends[0] == ends[1] && *rounded <= 0.0 => {
-            Some(Sphere {
-                offset: ends[0],
-                radius: *radius,
+        _ if *rounded > 0.0 => None,
+        SolidForm::Capsule { ends, radius } => (ends[0] == ends[1]).then_some(Sphere {
+            offset: ends[0],
+            radius: *radius,
+        }),
+        // Others are balls if they are points.
+        SolidForm::Round(_) | SolidForm::Hull { .. } | SolidForm::Mesh { .. } => {
+            let (low, high) = form.corners();
+            (low == high).then_some(Sphere {
+                offset: low,
+                radius: 0.0,
             })
         }
-        _ => None,
     }
 }
 

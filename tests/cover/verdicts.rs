@@ -5,7 +5,7 @@ use crate::{brick, covers, fit};
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
 use nearmiss::parry3d::shape::{
-    Ball, Capsule, Compound, Cuboid, Cylinder, Shape, SharedShape, TriMesh,
+    Ball, Capsule, Compound, Cone, Cuboid, Cylinder, Shape, SharedShape, TriMesh,
 };
 use nearmiss::{CoverError, Coverage, Error, Sphere, verify_cover};
 
@@ -175,13 +175,16 @@ fn spheres_of_all_kinds() {
     ));
 }
 
-/// A point is in a sphere, or not, or it is on its surface to rounding.
+/// A point is in a sphere, or not, or it is on its surface to rounding. The sphere of radius 0 at the point contains it.
 #[test]
 fn shapes_that_are_points() {
+    let corners = vec![Vector::ZERO; 3];
     for point in [
         &Ball::new(0.0) as &dyn Shape,
         &Cylinder::new(0.0, 0.0),
+        &Cone::new(0.0, 0.0),
         &Capsule::new_y(0.0, 0.0),
+        &TriMesh::new(corners, vec![[0, 1, 2]]).unwrap(),
         &Cuboid::new(Vector::ZERO),
     ] {
         let verdict = |radius: f64| verify_cover(&[sphere(DVec3::X, radius)], point).unwrap();
@@ -189,6 +192,12 @@ fn shapes_that_are_points() {
         assert_eq!(verdict(1.0 + 1e-6), Coverage::Covered);
         let left_out = Coverage::Uncovered { point: DVec3::ZERO };
         assert_eq!(verdict(1.0 - 1e-6), left_out);
+        for count in [1, 2, 5, 9] {
+            let cover = fit(point, count);
+            assert_eq!(cover.spheres(), [sphere(DVec3::ZERO, 0.0)], "{count}");
+            let verdict = cover.verify(point).unwrap();
+            assert_eq!(verdict, Coverage::Covered, "{count}");
+        }
     }
 }
 
