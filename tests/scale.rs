@@ -105,8 +105,8 @@ fn slicing_and_method_make_no_difference() {
     }
 }
 
-/// The work of the stages, in units of a box: about as in `screen/pilot.rs`, where a span stands for the
-/// pair that is looked at as well; without what no slicing can change.
+/// The work of the stages, in units of a box: about as in `search/slice_length.rs`, where a span stands
+/// for the pair that is looked at as well; without what no slicing can change.
 fn cost(stats: &Stats) -> f64 {
     let count = |number: u64| f64::from(u32::try_from(number).unwrap());
     count(stats.boxes) + 0.2 * count(stats.candidates) + 0.7 * count(stats.spans)
