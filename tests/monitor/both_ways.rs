@@ -3,9 +3,12 @@
 
 use super::support::{bits, line, rng, vector, wander, with_every_change};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Command, Event, Hitbox, Monitor, Scene, Trajectory};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Command, Event, Hitbox, Monitor, Scene, State, Trajectory,
+};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
+use std::ops::Range;
 
 const LEVELS: [AlertLevel; 2] = [
     AlertLevel {
@@ -35,12 +38,31 @@ fn parked(rng: &mut ChaCha8Rng, number: u32) -> Trajectory {
     Trajectory::at_rest(place + vector(rng, 1.0)).unwrap()
 }
 
-/// The same life of two monitors: shares of all bodies change, bodies come and go, and the clock jumps. Parked bodies meet
-/// nobody. Those of one monitor change as often as others, so that most bodies do; those of the other one never do.
+/// The ways in which bodies come to move otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    /// Each by a command.
+    Plans,
+    /// All by one call, which tells where they are.
+    Told,
+}
+
 #[test]
 fn a_search_from_nothing_tells_what_slices_tell() {
+    both_tell_the_same(Change::Plans, 0..12);
+}
+
+#[test]
+fn a_search_from_nothing_of_told_bodies_tells_what_slices_tell() {
+    both_tell_the_same(Change::Told, 12..18);
+}
+
+/// The same life of two monitors: shares of all bodies change, bodies come and go, and the clock jumps. Parked bodies meet
+/// nobody. Those of one monitor change as often as others, so that most bodies do; those of the other one never do.
+fn both_tell_the_same(change: Change, seeds: Range<u64>) {
     let (mut reported, mut differ) = (0, 0);
-    for seed in 0..12 {
+    let lives = seeds.clone().count();
+    for seed in seeds {
         let mut rng = rng(seed);
         let mut scene = Scene::new();
         let mut ids: Vec<BodyId> = (0..60)
@@ -57,16 +79,23 @@ fn a_search_from_nothing_tells_what_slices_tell() {
         let mut now = 0.0;
         for step in 0..60 {
             let share = [0.0, 0.05, 0.6, 1.0, 1.0, 1.0][rng.random_range(0..6)];
-            let mut commands = Vec::new();
+            let (mut commands, mut told) = (Vec::new(), Vec::new());
             for &id in &ids {
-                if rng.random_bool(share) {
-                    let body = body(&mut rng, now);
-                    commands.push(Command::SetTrajectory(id, body.trajectory));
+                if !rng.random_bool(share) {
+                    continue;
+                }
+                match change {
+                    Change::Plans => {
+                        let plan = body(&mut rng, now).trajectory;
+                        commands.push(Command::SetTrajectory(id, plan));
+                    }
+                    Change::Told => told.push(id),
                 }
             }
             if rng.random_bool(0.2) {
                 let gone = ids.swap_remove(rng.random_range(0..ids.len()));
                 commands.retain(|one| !matches!(one, Command::SetTrajectory(id, _) if *id == gone));
+                told.retain(|id| *id != gone);
                 commands.push(Command::Remove(gone));
                 commands.push(Command::Insert(body(&mut rng, now)));
             }
@@ -75,6 +104,12 @@ fn a_search_from_nothing_tells_what_slices_tell() {
                 7 => 4.0,
                 _ => rng.random_range(0.0..0.3),
             };
+            let told = told.into_iter().map(|id| {
+                let age = [0.0, 0.0, 0.1, -2.0][rng.random_range(0..4)];
+                let (place, velocity) = (vector(&mut rng, 20.0), vector(&mut rng, 3.0));
+                (id, State::new(now - age, place, velocity))
+            });
+            let told: Vec<(BodyId, State)> = told.collect();
             let mut events: [Vec<Event>; 2] = [Vec::new(), Vec::new()];
             let moves = parked_ids.iter().zip(0..).filter_map(|(&id, number)| {
                 let parked = parked(&mut rng, number);
@@ -85,6 +120,7 @@ fn a_search_from_nothing_tells_what_slices_tell() {
             for ((monitor, events), moves) in monitors.iter_mut().zip(&mut events).zip(moves) {
                 monitor.apply(moves).unwrap();
                 new = monitor.apply(commands.clone()).unwrap();
+                monitor.track(now, told.iter().copied()).unwrap();
                 monitor.advance(now, events).unwrap();
             }
             ids.extend(new);
@@ -104,6 +140,6 @@ fn a_search_from_nothing_tells_what_slices_tell() {
             differ += usize::from(one != other);
         }
     }
-    assert!(reported > 10_000, "{reported}");
-    assert!(differ > 100, "both ways were gone: {differ}");
+    assert!(reported > 800 * lives, "{reported}");
+    assert!(differ > 8 * lives, "both ways were gone: {differ}");
 }
