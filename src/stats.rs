@@ -67,17 +67,18 @@ impl fmt::Display for Stats {
     /// Writes one line: the funnel from bodies to conflicts, and the times.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counts = [
-            (self.bodies, "bodies"),
-            (self.changed, "changed"),
-            (self.segments, "segments"),
-            (self.slices, "slices"),
-            (self.boxes, "boxes"),
-            (self.candidates, "candidates"),
-            (self.spans, "spans"),
-            (self.survivors, "survivors"),
-            (self.conflicts, "conflicts"),
+            (self.bodies, "body", "bodies"),
+            (self.changed, "changed", "changed"),
+            (self.segments, "segment", "segments"),
+            (self.slices, "slice", "slices"),
+            (self.boxes, "box", "boxes"),
+            (self.candidates, "candidate", "candidates"),
+            (self.spans, "span", "spans"),
+            (self.survivors, "survivor", "survivors"),
+            (self.conflicts, "conflict", "conflicts"),
         ];
-        for (count, what) in counts {
+        for (count, one, many) in counts {
+            let what = if count == 1 { one } else { many };
             write!(f, "{count} {what}, ")?;
         }
         write!(

@@ -10,8 +10,9 @@ mod support;
 
 use nearmiss::glam::{DVec3, Vec3};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, Monitor, Outside,
-    Query, RevisionThreshold, Scene, Sphere, State, Stats, Trajectory, Window,
+    Accuracy, AlertLevel, Body, BodyId, EncounterId, Error, Event, EventKind, FitOptions, Monitor,
+    Outside, PositionOptions, Query, RevisionThreshold, Scene, Sphere, State, Stats, Trajectory,
+    Window,
 };
 use std::error::Error as _;
 
@@ -178,7 +179,7 @@ fn conflicts_and_stats_in_a_line() -> Result<(), Error> {
     let line = screening.stats.to_string();
     assert!(line.starts_with("2 bodies, 0 changed, "), "{line}");
     assert!(
-        line.contains(" 1 conflicts, bounds ") && !line.contains('\n'),
+        line.contains(" 1 conflict, bounds ") && !line.contains('\n'),
         "{line}"
     );
     let none = "0 bodies, 0 changed, 0 segments, 0 slices, 0 boxes, 0 candidates, 0 spans, \
@@ -210,6 +211,30 @@ fn events_in_a_line() -> Result<(), Error> {
     );
     assert!(format!("{:.0}", events[0]).ends_with("closest 3 m at 10 s so far"));
     Ok(())
+}
+
+#[test]
+fn options_that_are_read_back() {
+    let rule = PositionOptions::new();
+    assert_eq!((rule.first_velocity(), rule.last_velocity()), (None, None));
+    assert!(!rule.has_limited_velocities());
+    let rule = rule.with_first_velocity([1.0, 2.0, 3.0]);
+    let rule = rule.with_last_velocity(Vec3::X).with_limited_velocities();
+    assert_eq!(rule.first_velocity(), Some(DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(rule.last_velocity(), Some(DVec3::X));
+    assert!(rule.has_limited_velocities());
+
+    let window = Window::new(2.0, 3.0).unwrap();
+    let fit = FitOptions::default();
+    assert_eq!((fit.ulps(), fit.max_knots()), (4.0, 1_000_000));
+    assert_eq!(fit.fourth_derivative(window), None);
+    let fit = fit.with_ulps(1.5).with_max_knots(9);
+    assert_eq!((fit.ulps(), fit.max_knots()), (1.5, 9));
+    let constant = fit.with_fourth_derivative(7.0);
+    assert_eq!(constant.fourth_derivative(window), Some(7.0));
+    let bound = |window: Window| window.start() + window.end();
+    let by_window = fit.with_fourth_derivative_over(&bound);
+    assert_eq!(by_window.fourth_derivative(window), Some(5.0));
 }
 
 #[test]

@@ -27,21 +27,21 @@ impl LiveOptions {
     /// Largest capacity of a queue: some hundred megabytes.
     pub const MAX: usize = 1 << 20;
 
-    /// Sets the capacity of the queue of requests.
+    /// Returns the options with a capacity of the queue of requests.
     #[must_use]
     pub const fn with_requests(mut self, requests: usize) -> Self {
         self.requests = requests;
         self
     }
 
-    /// Sets the capacity of the queue of reports.
+    /// Returns the options with a capacity of the queue of reports.
     #[must_use]
     pub const fn with_reports(mut self, reports: usize) -> Self {
         self.reports = reports;
         self
     }
 
-    /// Sets the budget.
+    /// Returns the options with a budget.
     #[must_use]
     pub const fn with_budget(mut self, budget: Duration) -> Self {
         self.budget = budget;

@@ -26,22 +26,22 @@ impl PositionOptions {
         }
     }
 
-    /// Sets the velocity at the first position, m/s: zero for a start from rest.
+    /// Returns the rule with a velocity at the first position, m/s: zero for a start from rest.
     #[must_use]
-    pub const fn with_first_velocity(mut self, velocity: DVec3) -> Self {
-        self.first_velocity = Some(velocity);
+    pub fn with_first_velocity(mut self, velocity: impl Into<DVec3>) -> Self {
+        self.first_velocity = Some(velocity.into());
         self
     }
 
-    /// Sets the velocity at the last position, m/s.
+    /// Returns the rule with a velocity at the last position, m/s.
     #[must_use]
-    pub const fn with_last_velocity(mut self, velocity: DVec3) -> Self {
-        self.last_velocity = Some(velocity);
+    pub fn with_last_velocity(mut self, velocity: impl Into<DVec3>) -> Self {
+        self.last_velocity = Some(velocity.into());
         self
     }
 
-    /// Limits velocities, so that no coordinate overshoots: between two positions x stays between theirs, and so do y
-    /// and z, to some roundings.
+    /// Returns the rule with limited velocities, so that no coordinate overshoots: between two positions x stays
+    /// between theirs, and so do y and z, to some roundings.
     ///
     /// Each component is limited by itself. It is zero where the coordinate turns back or rests. Elsewhere
     /// it is at most three times the smaller one of the mean velocities before and after. Given end velocities are
@@ -54,6 +54,24 @@ impl PositionOptions {
     pub const fn with_limited_velocities(mut self) -> Self {
         self.has_limit = true;
         self
+    }
+
+    /// Returns the velocity at the first position, m/s, if one is given.
+    #[must_use]
+    pub const fn first_velocity(&self) -> Option<DVec3> {
+        self.first_velocity
+    }
+
+    /// Returns the velocity at the last position, m/s, if one is given.
+    #[must_use]
+    pub const fn last_velocity(&self) -> Option<DVec3> {
+        self.last_velocity
+    }
+
+    /// Returns true if velocities are [limited](Self::with_limited_velocities).
+    #[must_use]
+    pub const fn has_limited_velocities(&self) -> bool {
+        self.has_limit
     }
 }
 

@@ -75,12 +75,17 @@ impl FourthDerivative<'_> {
         Ok(whole.min(over_piece(mean)))
     }
 
+    /// Returns the bound as it was given for the times of a window (m/s⁴).
+    pub(super) fn within(&self, window: Window) -> f64 {
+        match self {
+            Self::Constant(bound) => *bound,
+            Self::Over(bound) => bound(window),
+        }
+    }
+
     /// Returns the bound for a part of the time (m/s⁴).
     fn over(&self, from: f64, to: f64) -> Result<f64, Error> {
-        let value = match self {
-            Self::Constant(bound) => *bound,
-            Self::Over(bound) => bound(Window::new(from, to)?),
-        };
+        let value = self.within(Window::new(from, to)?);
         if value > 0.0 {
             // A larger bound holds as well, and no fraction of it underflows.
             Ok(value.max(1e-290))

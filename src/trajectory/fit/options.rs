@@ -74,6 +74,24 @@ impl<'a> FitOptions<'a> {
         self
     }
 
+    /// Returns the bound of the fourth derivative over a window, m/s⁴, if one is given.
+    #[must_use]
+    pub fn fourth_derivative(&self, window: Window) -> Option<f64> {
+        self.fourth_derivative.map(|bound| bound.within(window))
+    }
+
+    /// Returns the rounding of the motion's values, in units of the last place of their length.
+    #[must_use]
+    pub const fn ulps(&self) -> f64 {
+        self.ulps
+    }
+
+    /// Returns the largest number of knots.
+    #[must_use]
+    pub const fn max_knots(&self) -> usize {
+        self.max_knots
+    }
+
     /// Returns an error if an option is not usable.
     pub(super) fn checked(self) -> Result<Self, Error> {
         let fourth_derivative = match self.fourth_derivative {
