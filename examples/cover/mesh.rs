@@ -5,7 +5,7 @@ use crate::terminal;
 use nearmiss::parry3d::math::Vector;
 use nearmiss::parry3d::shape::TriMesh;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 
 /// Reads an OBJ or STL file, as its name says.
@@ -32,7 +32,8 @@ fn read_obj(path: &Path) -> Result<TriMesh, Failure> {
     let mut reader = BufReader::new(File::open(path)?);
     // Colours and textures do not matter.
     let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
-    let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials)?;
+    let loaded = tobj::load_obj_buf(&mut reader, &options, no_materials);
+    let (models, _) = loaded.map_err(|error| format!("not read as OBJ: {error}"))?;
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for model in models {
         let first = u32::try_from(points.len())?;
@@ -49,7 +50,12 @@ fn read_obj(path: &Path) -> Result<TriMesh, Failure> {
 }
 
 fn read_stl(path: &Path) -> Result<TriMesh, Failure> {
-    let mesh = stl_io::read_stl(&mut BufReader::new(File::open(path)?))?;
+    let mut reader = BufReader::new(File::open(path)?);
+    let loaded = stl_io::read_stl(&mut reader);
+    let mesh = loaded.map_err(|error| match error.kind() {
+        ErrorKind::UnexpectedEof => "not read as STL: the file ends too early".to_owned(),
+        _ => format!("not read as STL: {error}"),
+    })?;
     let points = mesh.vertices.iter().map(|vertex| {
         let [x, y, z] = vertex.0;
         Vector::new(x, y, z)
@@ -67,7 +73,11 @@ fn build(points: Vec<Vector>, triangles: Vec<[u32; 3]>) -> Result<TriMesh, Failu
         return Err("no triangles".into());
     }
     if let Some(point) = points.iter().find(|point| !point.is_finite()) {
-        return Err(format!("a corner at {point}").into());
+        return Err(format!(
+            "a corner at {point}: coordinates are finite, and not beyond {:.1e}",
+            f32::MAX
+        )
+        .into());
     }
     let count = points.len();
     let beyond = |corner: &&u32| **corner as usize >= count;

@@ -47,10 +47,10 @@ struct Entry {
 impl Hitboxes {
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let name = terminal::name(path);
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let explain = |error: serde_json::Error| format!("{name}: not JSON: {error}");
-        let value: Value = serde_json::from_str(text).map_err(explain)?;
+        let bytes = std::fs::read(path).map_err(|error| format!("{name}: {error}"))?;
+        let text = text_of(&bytes).map_err(|problem| format!("{name}: {problem}"))?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let value = read_value(text).map_err(|problem| format!("{name}: {problem}"))?;
         serde_json::from_str::<UniqueNames>(text).map_err(|error| format!("{name}: {error}"))?;
         let Value::Array(list) = value else {
             return Err(format!(
@@ -60,7 +60,7 @@ impl Hitboxes {
         };
         let entries = list.iter().enumerate().map(|(number, value)| {
             let place = format!("{name}: entry {number}");
-            Entry::of(value).map_err(|problem| format!("{place}{problem}"))
+            Entry::of(value, text).map_err(|problem| format!("{place}{problem}"))
         });
         let entries = entries.collect::<Result<Vec<Entry>, String>>()?;
         Ok(Self { name, entries })
@@ -90,11 +90,19 @@ impl Hitboxes {
                     .collect(),
             };
             if tags.is_empty() {
-                return Err(format!(
-                    "{}: entry {number}, {}: no such body has states: name one that has",
-                    self.name,
-                    entry.bodies.named()
-                ));
+                let named = entry.bodies.named();
+                let place = format!("{}: entry {number}, {named}", self.name);
+                return Err(match &entry.bodies {
+                    Bodies::Name(name) if names.is_empty() => match name.parse::<u64>() {
+                        Ok(label) => format!(
+                            "{place}: the labels of the states are numbers: write {label} without quotes"
+                        ),
+                        Err(_) => format!(
+                            "{place}: the labels of the states are numbers: give one of them"
+                        ),
+                    },
+                    _ => format!("{place}: no such body has states: name one that has"),
+                });
             }
             last.extend(tags.into_iter().map(|tag| (tag, entry)));
         }
@@ -119,15 +127,15 @@ impl Bodies {
 }
 
 impl Entry {
-    /// The entry of a value. A problem begins with a comma or a colon.
-    fn of(value: &Value) -> Result<Self, String> {
+    /// The entry of a value in the text of the file. A problem begins with a comma or a colon.
+    fn of(value: &Value, text: &str) -> Result<Self, String> {
         let Value::Object(members) = value else {
             let value = shown(value);
             return Err(format!(
                 ": {value} is no entry: give {{\"body\": ..., ...}}"
             ));
         };
-        let bodies = bodies(members).map_err(|problem| format!(": {problem}"))?;
+        let bodies = bodies(members, text).map_err(|problem| format!(": {problem}"))?;
         let entry = Self::of_bodies(bodies.clone(), members);
         entry.map_err(|problem| format!(", {}: {problem}", bodies.named()))
     }
@@ -157,11 +165,15 @@ impl Entry {
     }
 }
 
-fn bodies(members: &Map<String, Value>) -> Result<Bodies, String> {
+fn bodies(members: &Map<String, Value>, text: &str) -> Result<Bodies, String> {
     let label = |value: &Value| {
         value.as_u64().ok_or_else(|| {
-            let value = shown(value);
-            format!("{value} is not a body's label, a whole number from 0 on")
+            let written = value.as_f64().and_then(|number| as_written(text, number));
+            let value = written.map_or_else(|| shown(value), |written| cut(written.to_owned()));
+            format!(
+                "{value} is not a body's label, a whole number from 0 to {}",
+                u64::MAX
+            )
         })
     };
     match (members.get("body"), members.get("bodies")) {
@@ -234,6 +246,59 @@ fn orientation_of(value: &Value) -> Result<Orientation, String> {
         }
     };
     turn.map_err(|error| problem(error.to_string()))
+}
+
+/// Returns the text of a file in UTF-8.
+fn text_of(bytes: &[u8]) -> Result<&str, String> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let (before, after) = bytes.split_at(error.valid_up_to());
+        let line = before.split(|&byte| byte == b'\n').count();
+        let byte = after.first().copied().unwrap_or_default();
+        format!("line {line}: byte {byte:#04x} is no text in UTF-8; save the file in UTF-8")
+    })
+}
+
+/// Reads JSON. A problem in a list names the entry.
+fn read_value(text: &str) -> Result<Value, String> {
+    let read = match serde_json::from_str::<Listed>(text) {
+        Ok(Listed(list)) => return Ok(Value::Array(list)),
+        Err(_) if !text.trim_start().starts_with('[') => serde_json::from_str(text),
+        Err(error) => Err(error),
+    };
+    read.map_err(|error| {
+        let problem = error.to_string();
+        // It is JSON all the same.
+        let is_range = problem.contains("number out of range");
+        format!("{}{problem}", if is_range { "" } else { "not JSON: " })
+    })
+}
+
+/// A list of JSON values.
+struct Listed(Vec<Value>);
+
+impl<'de> Deserialize<'de> for Listed {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        source.deserialize_seq(Self(Vec::new()))
+    }
+}
+
+impl<'de> Visitor<'de> for Listed {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of entries")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut list: A) -> Result<Self, A::Error> {
+        loop {
+            let next = list.next_element::<Value>();
+            let number = self.0.len();
+            match next.map_err(|error| Error::custom(format!("entry {number}: {error}")))? {
+                Some(value) => self.0.push(value),
+                None => return Ok(self),
+            }
+        }
+    }
 }
 
 /// JSON in which no object has two members of one name: of these `serde_json` keeps the last one.
@@ -324,10 +389,23 @@ fn numbers<const COUNT: usize>(
     Ok(numbers)
 }
 
-/// A value as it stands in the file, cut if it is long.
+/// Returns the first number of a text that has this value, as it is written there.
+fn as_written(text: &str, number: f64) -> Option<&str> {
+    let is_part = |character: char| matches!(character, '0'..='9' | '+' | '-' | '.' | 'e' | 'E');
+    let mut words = text.split(|character| !is_part(character));
+    words.find(|word| {
+        word.parse::<f64>()
+            .is_ok_and(|value| value.total_cmp(&number).is_eq())
+    })
+}
+
+/// A value about as it stands in the file, cut if it is long.
 fn shown(value: &Value) -> String {
+    cut(value.to_string())
+}
+
+fn cut(text: String) -> String {
     const MOST: usize = 60;
-    let text = value.to_string();
     match text.char_indices().nth(MOST) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text,

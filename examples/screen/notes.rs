@@ -23,6 +23,8 @@ pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<Str
         ));
     } else if scene.len() == 1 {
         notes.push("there is one body, and no other one that it could meet".to_owned());
+    } else if is_of_half_spaces(scene) {
+        notes.push("all bodies are half-spaces, which do not meet each other".to_owned());
     } else if screening.conflicts.is_empty() {
         notes.push(if margin > 0.0 {
             format!("no two bodies come within {margin} m of each other")
@@ -68,6 +70,12 @@ fn states_elsewhere(scene: &Scene, window: Window) -> Option<Window> {
     let start = domains().map(|domain| domain.start()).reduce(f64::min)?;
     let end = domains().map(|domain| domain.end()).reduce(f64::max)?;
     Window::new(start, end).ok()
+}
+
+/// Returns true if all bodies, at least one, are half-spaces.
+fn is_of_half_spaces(scene: &Scene) -> bool {
+    let mut bodies = scene.bodies();
+    !scene.is_empty() && bodies.all(|(_, body)| body.hitbox.normal().is_some())
 }
 
 /// Returns true if all bodies are points.

@@ -111,6 +111,8 @@ fn covers_that_cannot_be() {
         std::fs::write(&path, text).unwrap();
         path
     };
+    // A header, and 5 triangles that are not there.
+    let cut_off = format!("{}\x05\0\0\0", " ".repeat(80));
     for (path, part) in [
         (folder.join("none.obj"), "none.obj"),
         (folder.join("mesh.ply"), ".stl"),
@@ -121,9 +123,20 @@ fn covers_that_cannot_be() {
         ),
         (
             file("beyond.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"),
-            "beyond.obj",
+            "beyond.obj: not read as OBJ: face vertex index out of bounds",
         ),
-        (file("bad.stl", "solid x\n facet\n"), "bad.stl"),
+        (
+            file("huge.obj", "v 0 0 1e300\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+            "huge.obj: a corner at [0, 0, inf]: coordinates are finite, and not beyond 3.4e38",
+        ),
+        (
+            file("bad.stl", "solid x\n facet\n"),
+            "bad.stl: not read as STL: ",
+        ),
+        (
+            file("cut.stl", &cut_off),
+            "cut.stl: not read as STL: the file ends too early",
+        ),
     ] {
         let path = path.to_str().unwrap();
         let mut command = cover(&["mesh", path, "--spheres", "2"]);

@@ -18,7 +18,7 @@ const STATES: &str = "body,t,px,py,pz,vx,vy,vz\n\
                       3,0,-6,0,2,1,0,0\n3,12,6,0,2,1,0,0\n\
                       7,0,0,0,90,0,0,0\n7,12,0,0,90,0,0,0\n";
 
-fn screen(name: &str, hitboxes: &str) -> Output {
+fn screen(name: &str, hitboxes: impl AsRef<[u8]>) -> Output {
     let folder = folder(name);
     let (states, file) = (folder.join("states.csv"), folder.join("hitboxes.json"));
     std::fs::write(&states, STATES).unwrap();
@@ -53,6 +53,18 @@ fn half_spaces_and_clusters() {
         &format!("[{ground}, {legs}, {{\"body\": 3, \"spheres\": [[0,0,0,1]]}}]"),
     );
     assert!(found.is_empty(), "{found:?}");
+}
+
+/// Nothing is found, and no margin would change that.
+#[test]
+fn half_spaces_alone() {
+    let walls =
+        r#"[{"body": 0, "half_space": [0, 0, 1]}, {"bodies": [1, 9], "half_space": [1, 0, 0]}]"#;
+    let said = plain(&screen("walls_alone", walls).stderr);
+    assert_eq!(
+        said,
+        "note: all bodies are half-spaces, which do not meet each other\n"
+    );
 }
 
 /// Also where no body has need of either.
@@ -118,7 +130,7 @@ fn rotations() {
 }
 
 /// Asserts that a file is refused in one line with these parts.
-fn assert_refused(name: &str, content: &str, parts: &[&str]) {
+fn assert_refused(name: &str, content: impl AsRef<[u8]>, parts: &[&str]) {
     let output = screen(name, content);
     let said = plain(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{name}: {said}");
@@ -241,4 +253,45 @@ fn bad_files_are_refused_in_one_line() {
     for part in ["half_space", "\"knots\"", "normalized_cubic"] {
         assert!(help.contains(part), "{help}");
     }
+}
+
+/// Labels that no body has, numbers that are none, and other text than UTF-8.
+#[test]
+fn values_are_told_as_they_are_written() {
+    let cases = [
+        (
+            "quoted",
+            r#"[{"body": "3", "spheres": [[0, 0, 1, 1]]}]"#,
+            vec!["entry 0, body \"3\"", "are numbers: write 3 without quotes"],
+        ),
+        (
+            "named",
+            r#"[{"body": "sun", "spheres": [[0, 0, 1, 1]]}]"#,
+            vec!["entry 0, body \"sun\"", "are numbers: give one of them"],
+        ),
+        (
+            "large",
+            r#"[{"body": 0.5}, {"body": 18446744073709551617}]"#,
+            vec![
+                "entry 0",
+                "0.5 is not a body's label, a whole number from 0 to 18446744073709551615",
+            ],
+        ),
+        (
+            "larger",
+            r#"[{"body": 18446744073709551617, "spheres": [[0, 0, 1, 1]]}]"#,
+            vec!["entry 0: 18446744073709551617 is not a body's label"],
+        ),
+        (
+            "huge",
+            r#"[{"body": 3, "spheres": [[0, 0, 1, 1]]}, {"body": 7, "spheres": [[0, 0, 1e999, 1]]}]"#,
+            vec!["hitboxes.json: entry 1: number out of range at line 1 column"],
+        ),
+    ];
+    for (name, content, parts) in cases {
+        assert_refused(name, content, &parts);
+    }
+    let latin = b"[\n{\"body\": \"K\xf6ln\"}]";
+    let parts = ["line 2: byte 0xf6 is no text in UTF-8; save the file in UTF-8"];
+    assert_refused("latin", latin, &parts);
 }
