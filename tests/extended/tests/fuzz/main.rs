@@ -197,8 +197,8 @@ fn monitors() {
                 let ids: Vec<_> = monitor.scene().bodies().map(|(id, _)| id).collect();
                 if let (Some(plan), Some(&id)) = (plan, ids.get(usize::from(choice) % 5)) {
                     let command = match choice % 4 {
-                        0 => Command::Replan(id, time, plan),
-                        1 => Command::Extend(id, plan),
+                        0 => Command::Replan(id, time, plan.into()),
+                        1 => Command::Extend(id, plan.into()),
                         2 => Command::SetTrajectory(id, plan),
                         _ => Command::Remove(id),
                     };

@@ -97,8 +97,8 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
         let begin = now + rng.random_range(-1.0..1.0);
         let plan = body(rng, begin).trajectory;
         commands.push(match rng.random_range(0..9) {
-            0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan),
-            2 => Command::Extend(id, plan),
+            0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan.into()),
+            2 => Command::Extend(id, plan.into()),
             3 => Command::SetTrajectory(id, plan),
             4 => Command::SetHitbox(id, body(rng, now).hitbox),
             5 if id != ids[0] => Command::IgnorePair(id, ids[0]),
