@@ -20,17 +20,18 @@ impl Error {
     /// Returns the error of a plan that follows others, with its knot counted in the last plan: `before` knots precede
     /// that one's. The first one stands for all of them.
     pub(crate) fn after_knots(mut self, before: usize) -> Self {
-        match &mut self {
-            Self::InBody { error, .. } => {
-                let inner = std::mem::replace(&mut **error, Self::SceneFull);
-                **error = inner.after_knots(before);
-            }
+        self.skip_knots(before);
+        self
+    }
+
+    fn skip_knots(&mut self, before: usize) {
+        match self {
+            Self::InBody { error, .. } => error.skip_knots(before),
             Self::OutOfRange { knot, .. } | Self::TooFar { knot, .. } => {
                 *knot = knot.saturating_sub(before);
             }
             _ => {}
         }
-        self
     }
 
     /// Returns an error that names a body with the body's id. Errors that name none, or only an id, stay as they are.
