@@ -100,6 +100,10 @@ impl Arc {
             return self.rotation;
         }
         let half = 0.5 * (self.angle * ((time - self.time) / self.duration));
+        if half.is_infinite() {
+            // Nothing is known of the angle: any rotation is as good.
+            return self.rotation;
+        }
         let (sine, cosine) = libm::sincos(half);
         let DVec3 { x, y, z } = self.axis * sine;
         DQuat::from_xyzw(x, y, z, cosine) * self.rotation

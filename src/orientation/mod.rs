@@ -317,7 +317,8 @@ impl Orientation {
     }
 
     /// Returns the rotation from the body's axes to those of the world at `time` (s): a unit
-    /// quaternion, good to a few roundings, and to 16 roundings of the angle of a spin.
+    /// quaternion, good to a few roundings, and to 16 roundings of the angle of a spin. If that angle overflows f64, it is
+    /// some rotation.
     #[must_use]
     pub fn rotation(&self, time: f64) -> DQuat {
         match &self.turning {
