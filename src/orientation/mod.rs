@@ -60,7 +60,8 @@ use turning::OrientationPart;
 ///
 /// The numbers hold for `spin`, and for whole revolutions of `slerp`. Cubics are formed while two
 /// bodies' bounding spheres are within the margin, and not before. The time taken grows with their
-/// number, so with the revolutions in that time. No limit of spans bounds it. A body whose spheres are all centred at its position pays nothing for turning.
+/// number, so with the revolutions in that time. No limit of spans bounds it. A body whose spheres are all centred at its
+/// position pays nothing for turning.
 ///
 /// ```
 /// use nearmiss::glam::{DQuat, DVec3};

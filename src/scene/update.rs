@@ -97,8 +97,10 @@ impl Scene {
     ///
     /// A body that is left out keeps its plan. The last state of a body that is named twice counts, also one
     /// without a spin. A state replaces the body's trajectory also where both are the same motion: its time is then the
-    /// only knot. ([`Monitor::track`](crate::Monitor::track) leaves such a body as it is.) In steady state nothing is allocated: a body that had another trajectory of one state, and
-    /// another orientation, takes no memory for the new ones.
+    /// only knot. ([`Monitor::track`](crate::Monitor::track) leaves such a body as it is.)
+    ///
+    /// In steady state nothing is allocated: a body that had another trajectory of one state, and another orientation,
+    /// takes no memory for the new ones.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
