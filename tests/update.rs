@@ -256,7 +256,7 @@ fn the_last_state_of_a_body_that_is_named_twice_counts() {
     }
 }
 
-/// Of orientations of all kinds, with a tolerance and without one. A monitor does the same.
+/// `update` keeps the tolerance of orientations of all kinds, and so does a monitor.
 #[test]
 fn a_told_spin_keeps_the_tolerance_that_the_body_has() {
     let knots = [0.0, 1.0, 2.0].map(|time| (time, DQuat::from_rotation_x(time)));

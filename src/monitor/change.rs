@@ -1,11 +1,12 @@
 //! Changes between ticks: each is checked as a whole before any part takes effect.
 
 use super::Monitor;
-use super::command::{ChangeContext, Command, CommandBatch, PairRule};
+use super::command::{Command, CommandBatch, PairRule};
 use super::event::EndReason;
 use super::grid::{Grid, GridReview, SceneEstimate};
 use super::lookahead::{LookaheadSearch, push_once};
 use super::monitored_bodies::MonitoredBody;
+use super::pending_change::ChangeContext;
 use super::read::LevelCaches;
 #[cfg(feature = "recording")]
 use super::recording::Record;

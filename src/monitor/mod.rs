@@ -19,6 +19,7 @@ mod jump;
 pub(crate) mod live;
 mod lookahead;
 mod monitored_bodies;
+mod pending_change;
 mod prepared;
 mod read;
 mod reading;

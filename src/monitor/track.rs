@@ -1,7 +1,8 @@
 //! Straight motions of many bodies, told in one call.
 
 use super::Monitor;
-use super::command::{ChangeContext, CommandBatch};
+use super::command::CommandBatch;
+use super::pending_change::ChangeContext;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::told_motions::{ToldMotions, ToldPlan};

@@ -57,7 +57,7 @@ fn a_search_from_nothing_of_told_bodies_tells_what_slices_tell() {
     both_tell_the_same(Change::Told, 12..18);
 }
 
-/// The same life of two monitors: shares of all bodies change, bodies come and go, and the clock jumps. Parked bodies meet
+/// Lets two monitors live the same life: shares of all bodies change, bodies come and go, and the clock jumps. Parked bodies meet
 /// nobody. Those of one monitor change as often as others, so that most bodies do; those of the other one never do.
 fn both_tell_the_same(change: Change, seeds: Range<u64>) {
     let (mut reported, mut differ) = (0, 0);

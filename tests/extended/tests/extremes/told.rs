@@ -47,7 +47,7 @@ fn unknown() -> (Scene, [BodyId; 2]) {
     (scene, ids)
 }
 
-/// What is found of two states that are told one after the other, in a call for each list.
+/// Finds the answers about two states that are told one after the other, in a call for each list.
 struct Told {
     scene: Scene,
     ids: [BodyId; 2],
@@ -69,7 +69,7 @@ impl Told {
         self.scene.screen(&query).unwrap().conflicts
     }
 
-    /// What a monitor foresees that is told the same at the beginning of the window.
+    /// Finds the answers of a monitor that is told the same at the beginning of the window.
     fn foreseen(&self, margin: f64) -> Vec<Conflict> {
         let levels = [AlertLevel::at(margin)];
         let mut monitor = Monitor::new(unknown().0, 0.0, END, &levels).unwrap();

@@ -83,7 +83,7 @@ fn shape() -> impl Strategy<Value = Option<SharedShape>> {
     prop_oneof![6 => part(), 1 => mesh(), 2 => compound]
 }
 
-/// What is fitted is proven, by the verdict on its spheres too.
+/// A fitted cover is proven, also by the verdict on its spheres.
 #[test]
 fn covers() {
     let question = (shape(), 1..4_usize, 0..9_u64);

@@ -181,7 +181,7 @@ fn make(monitor: &mut Monitor, id: BodyId, call: Call, now: f64) -> Result<(), E
     }
 }
 
-/// What a call that is refused must leave as it was.
+/// Returns the state that a refused call must leave as it was.
 fn state_of(monitor: &Monitor) -> (Vec<(BodyId, Body)>, Vec<Conflict>) {
     let conflicts = monitor.conflicts(0).unwrap().to_vec();
     (bodies_of(monitor.scene()), conflicts)
