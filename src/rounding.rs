@@ -233,6 +233,12 @@ pub(crate) fn latest_exact(time: f64) -> f64 {
     time + INSTANT * time.abs()
 }
 
+/// Returns the last instant (s) of which all is known, if all exact instants before `time` are: others may be reported as
+/// `time`.
+pub(crate) fn last_known(time: f64) -> f64 {
+    earliest_exact(time).next_down()
+}
+
 /// Returns the interval of all exact instants (s) that may be reported from one instant to another.
 #[inline]
 pub(crate) fn exact_interval((from, to): (f64, f64)) -> (f64, f64) {

@@ -11,7 +11,7 @@ use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
-use crate::rounding::{earliest_exact, exact_interval};
+use crate::rounding::{exact_interval, last_known};
 use crate::scene::{PairAdmission, PlaneHeights};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, in_order, spans};
@@ -126,7 +126,7 @@ impl HalfSpaceSearch {
         let mut known = to;
         for &(since, slot) in &*taken {
             if known < to || work.meter.is_spent() || search.filter.gives_up() {
-                known = known.min(earliest_exact(since).next_down().max(from));
+                known = known.min(last_known(since).max(from));
                 self.due.set(slot, since);
                 continue;
             }

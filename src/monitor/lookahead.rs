@@ -31,7 +31,7 @@ use crate::error::Error;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
-use crate::rounding::earliest_exact;
+use crate::rounding::last_known;
 use crate::scene::Scene;
 use crate::search::{FEW_BOXES, LimitExceeded, SearchScratch, SpanSorter};
 use crate::shape::BodyShape;
@@ -293,8 +293,8 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if self.is_unknown_again(needed) && self.may_screen(from, needed, &work.meter) {
-            self.screen(from, needed, work)?;
+        if self.is_unknown_again(needed) && self.may_screen((from, to), &work.meter) {
+            self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
                 self.last_end = to;
                 return Ok((to, true));
@@ -335,10 +335,10 @@ impl LookaheadSearch {
         };
         let first = self.slices[0].number;
         self.affordable = stop.map_or(needed as f64, |number| (number - first) as f64);
-        // An instant that is reported as the start of a slice may be found in that slice.
         let known = stop.map_or(to, |number| {
-            let start = self.grid.start(number).max(from);
-            earliest_exact(start).next_down().max(from).min(to)
+            let place = usize::try_from(number - first).unwrap_or_default();
+            let until = self.slices[place].compared_until().max(from);
+            last_known(until).max(from).min(to)
         });
         let done = |stats: &Stats| stats.boxes + stats.candidates;
         let before = done(&work.stats);

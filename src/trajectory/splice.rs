@@ -64,12 +64,12 @@ impl Trajectory {
     ///
     /// [`Error::NoOldPlan`].
     pub(crate) fn check_exists_at(&self, time: f64) -> Result<(), Error> {
-        let (start, end) = (self.domain().start(), self.domain().end());
-        if self.domain().contains(time) {
-            Ok(())
-        } else {
-            Err(Error::NoOldPlan { time, start, end })
+        let domain = self.domain();
+        if domain.contains(time) {
+            return Ok(());
         }
+        let (start, end) = (domain.start(), domain.end());
+        Err(Error::NoOldPlan { time, start, end })
     }
 
     /// Checks that this plan can be followed from a time (s) on.
@@ -78,12 +78,11 @@ impl Trajectory {
     ///
     /// [`Error::NoNewPlan`].
     pub(crate) fn check_goes_on_from(&self, time: f64) -> Result<(), Error> {
-        let (start, end) = (self.domain().start(), self.domain().end());
         if self.goes_on_from(time) {
-            Ok(())
-        } else {
-            Err(Error::NoNewPlan { time, start, end })
+            return Ok(());
         }
+        let (start, end) = (self.domain().start(), self.domain().end());
+        Err(Error::NoNewPlan { time, start, end })
     }
 
     /// Returns this motion without the cubics that end before `time` (s). At least one is kept. If

@@ -6,7 +6,7 @@ use super::super::budget::{BudgetMeter, TickWork};
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
-use crate::rounding::earliest_exact;
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -56,32 +56,36 @@ impl LookaheadSearch {
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
-    /// Returns true if the needed slices may be searched from nothing, from an instant (s) on. That is done in one
-    /// piece: a budget must have sufficed for as many slices at the tick before, but for one. (Each tick exceeds its
+    /// Returns true if a lookahead (first and last instant, s) may be searched from nothing. That is done in one piece:
+    /// a budget must have sufficed for as many slices at the tick before, but for one. (Each tick exceeds its
     /// budget by up to one slice. A search from nothing often has no more, and then nothing else lets the monitor
     /// catch up with bodies that all change in each tick.)
-    pub(super) fn may_screen(&self, from: f64, needed: usize, meter: &BudgetMeter) -> bool {
-        let (start, end) = self.window_of(from, needed);
+    pub(super) fn may_screen(&self, lookahead: (f64, f64), meter: &BudgetMeter) -> bool {
+        let (start, end) = self.window_of(lookahead);
         let count = ((end - start) / self.grid.search_length).round().max(1.0);
         let has_time = || !meter.is_spent() && count <= self.affordable + 1.0;
         meter.is_unlimited() || meter.until().is_none() && has_time()
     }
 
-    /// Returns the window of the needed slices from an instant on, s.
-    fn window_of(&self, from: f64, needed: usize) -> (f64, f64) {
-        (earliest_exact(from).max(self.ends[0]), self.ends[needed])
+    /// Returns the window in which a lookahead (first and last instant, s) is searched, within the needed slices. It
+    /// reaches just far enough that the last instant is [known](crate::rounding::last_known).
+    fn window_of(&self, (from, to): (f64, f64)) -> (f64, f64) {
+        let end = latest_exact(latest_exact(to)).next_up();
+        let ends = &self.ends;
+        (earliest_exact(from).max(ends[0]), end.min(ends[ends.len() - 1]))
     }
 
-    /// Searches the time of the needed slices from nothing, from an instant (s) on.
+    /// Searches a lookahead (first and last instant, s) from nothing. The last of the needed slices is searched as far
+    /// as the lookahead goes: the next tick searches all of it, and more of the time after it.
     pub(super) fn screen(
         &mut self,
-        from: f64,
+        lookahead: (f64, f64),
         needed: usize,
         work: &mut TickWork<'_>,
     ) -> Result<(), LimitExceeded> {
         let (admission, meter) = (&work.admission, &mut work.meter);
         let limits = self.limits();
-        let window = self.window_of(from, needed);
+        let window = self.window_of(lookahead);
         let table = BodyTable::of(admission.scene, &self.monitored, &self.grid);
         let begin = Instant::now();
         let pool = &self.search_pool;
@@ -99,12 +103,12 @@ impl LookaheadSearch {
         self.affordable = if meter.is_spent() { 0.0 } else { f64::INFINITY };
         work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {
-            if number < needed {
-                slice.set_compared();
-                work.stats += std::mem::take(&mut slice.stats);
-            } else {
+            if number >= needed {
                 slice.note(self.changed.slots());
+                continue;
             }
+            slice.set_compared(window.1);
+            work.stats += std::mem::take(&mut slice.stats);
         }
         Ok(())
     }

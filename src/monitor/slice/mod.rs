@@ -60,13 +60,13 @@ impl LookaheadSlice {
         self.changed.clear();
     }
 
-    /// Notes that all bodies were compared with each other, without boxes of the whole slice.
-    pub(super) fn set_compared(&mut self) {
+    /// Notes that all bodies were compared with each other until an instant (s), without boxes of the whole slice.
+    pub(super) fn set_compared(&mut self, until: f64) {
         let stage = BuildStage::Compared(0);
         self.stats.slices += u64::from(!self.stage.is_compared());
-        let stats = std::mem::take(&mut self.stats);
         self.begin(self.number, self.interval);
-        (self.stage, self.stats) = (stage, stats);
+        self.stage = stage;
+        self.unsearched_from = Some(until).filter(|&until| until < self.interval.1);
     }
 
     /// Drops the work done for the slice until it is needed: there is no room.
@@ -82,6 +82,15 @@ impl LookaheadSlice {
         } else {
             Ok(())
         }
+    }
+
+    /// Returns the instant (s) before which all bodies were compared with each other.
+    pub(super) fn compared_until(&self) -> f64 {
+        let is_compared = self.stage.is_compared()
+            && self.changed.slots().is_empty()
+            && self.refined == self.candidates.len();
+        let until = self.unsearched_from.filter(|_| is_compared);
+        until.unwrap_or(self.interval.0)
     }
 
     /// Returns its end, s.

@@ -33,8 +33,8 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) refined: usize,
     /// Spans that were found and not taken yet.
     pub(in crate::monitor) survivors: Vec<SpanKey>,
-    /// Set if boxes of the whole slice overlap too many others: the slice is searched from nothing in shorter slices,
-    /// from this instant (s) on.
+    /// Set if the slice is searched from nothing, in shorter slices, from this instant (s) on: because boxes of the whole
+    /// slice overlap too many others, or a search from nothing ended there.
     pub(super) unsearched_from: Option<f64>,
     /// True if the slice was given up for lack of room.
     pub(super) has_exceeded_limit: bool,
