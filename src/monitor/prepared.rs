@@ -121,6 +121,7 @@ impl<'m> PreparedBodies<'m> {
             limits: self.limits,
             instructions: InstructionSet::best(),
             pool: self.pool,
+            is_in_place: true,
         };
         let some = |slots: &[usize]| {
             let slots = slots.iter().map(|&slot| short(slot));

@@ -217,7 +217,8 @@ impl Scene {
         Ok((body(a)?, body(b)?))
     }
 
-    /// Returns the cheapest expected number of slices of the query's window.
+    /// Returns the cheapest expected number of slices of the query's window for a monitor, which examines segments where
+    /// they lie.
     pub(crate) fn cheapest_slices(&self, query: &Query) -> Result<u32, Error> {
         let prepared = PreparedScene::new(self, query)?;
         if prepared.ids.len() < 2 {
@@ -228,7 +229,13 @@ impl Scene {
             pairs: PairAdmission::of(self, query.margin(), &|| false),
             ids: &prepared.ids,
         };
-        let slices = prepared.slices(&statistics, &filter, &|places| prepared.sources(places));
+        let trials = SliceTrials {
+            is_in_place: true,
+            ..prepared.trials()
+        };
+        let slices = TimeSlices::choose(prepared.searched(), &prepared.pace, &statistics);
+        let sources = |places: &[usize]| prepared.sources(places);
+        let slices = trials.cheapest(slices, (&statistics, &filter), &sources);
         Ok(slices.count())
     }
 }
@@ -246,14 +253,19 @@ impl PreparedScene<'_> {
         if let Some(count) = self.prescribed {
             return slices.with_count(f64::from(count.get()));
         }
-        let trials = SliceTrials {
+        self.trials()
+            .cheapest(slices, (statistics, filter), sources)
+    }
+
+    const fn trials(&self) -> SliceTrials<'_> {
+        SliceTrials {
             lifetimes: &self.lifetimes,
             frame: &self.frame,
             limits: self.limits,
             instructions: self.instructions,
             pool: self.pool,
-        };
-        trials.cheapest(slices, (statistics, filter), sources)
+            is_in_place: false,
+        }
     }
 
     /// Lists the box sources of all bodies, and returns the slices; computed in parallel if there are many bodies.

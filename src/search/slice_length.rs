@@ -28,9 +28,9 @@ mod cost {
     pub(super) const SWEEP_POWER: f64 = 0.75;
     /// Testing the fat lines of a candidate.
     pub(super) const CANDIDATE: f64 = 15.0;
-    /// Examining a near candidate, and each of its spans.
-    pub(super) const NEAR: f64 = 120.0;
-    pub(super) const SPAN: f64 = 40.0;
+    /// Examining a near candidate, and each of its spans: by compact cubics, and by the segments of plans.
+    pub(super) const NEAR: [f64; 2] = [120.0, 40.0];
+    pub(super) const NEAR_IN_PLACE: [f64; 2] = [575.0, 70.0];
 }
 
 /// Largest number of candidates in a trial's slice: with more, slices must be shorter.
@@ -60,6 +60,8 @@ struct Trial {
     shares: f64,
     /// Cubics per box.
     cubics: f64,
+    /// Costs of a near candidate and of a span, ns.
+    near_costs: [f64; 2],
     /// Mean extent of a box, and its part that does not shrink with the slice (frame's unit).
     extents: [f64; 3],
     least: f64,
@@ -107,7 +109,8 @@ impl Trial {
         let more = factor.powf(growth.near);
         // Each span ends with a cubic of one of the two bodies.
         let spans = self.near + 2.0 * self.cubics * factor * self.shares;
-        let near = (cost::NEAR * self.near + cost::SPAN * spans) * more;
+        let [of_near, of_span] = self.near_costs;
+        let near = (of_near * self.near + of_span * spans) * more;
         let slice = cost::SLICE + cost::LISTING * self.bodies;
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
@@ -227,6 +230,8 @@ pub(crate) struct SliceTrials<'a> {
     pub(crate) limits: Limits,
     pub(crate) instructions: InstructionSet,
     pub(crate) pool: &'a Pool<SearchScratch>,
+    /// True if near candidates are examined by the segments of plans, not by compact cubics.
+    pub(crate) is_in_place: bool,
 }
 
 impl SliceTrials<'_> {
@@ -395,6 +400,11 @@ impl SliceTrials<'_> {
             near: near * whole * whole / places,
             shares: shares * whole * whole / places,
             cubics,
+            near_costs: if self.is_in_place {
+                cost::NEAR_IN_PLACE
+            } else {
+                cost::NEAR
+            },
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / sources.len() as f64,
             is_cut_off,

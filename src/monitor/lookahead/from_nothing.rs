@@ -72,7 +72,10 @@ impl LookaheadSearch {
     fn window_of(&self, (from, to): (f64, f64)) -> (f64, f64) {
         let end = latest_exact(latest_exact(to)).next_up();
         let ends = &self.ends;
-        (earliest_exact(from).max(ends[0]), end.min(ends[ends.len() - 1]))
+        (
+            earliest_exact(from).max(ends[0]),
+            end.min(ends[ends.len() - 1]),
+        )
     }
 
     /// Searches a lookahead (first and last instant, s) from nothing. The last of the needed slices is searched as far
