@@ -52,20 +52,21 @@ impl CompactTrajectory {
         knots.div_ceil(CacheLine::KNOTS) + cubics + count_of_runs(cubics)
     }
 
-    /// Writes the cubics of a motion, each between two knots, to its cache lines; returns the header and
-    /// the motion's extremes.
+    /// Writes the cubics of a motion, each between two knots, to its cache lines; returns the header, the
+    /// motion's extremes, and the largest error of the points of its cubics, m.
     pub(crate) fn write(
         knots: &[f64],
         segments: &[Segment],
         cache_lines: &mut [CacheLine],
-    ) -> (Self, DAabb) {
-        let (mut extremes, mut spread) = (DAabb::NOTHING, 0.0_f64);
+    ) -> (Self, DAabb, f64) {
+        let (mut extremes, mut spread, mut error) = (DAabb::NOTHING, 0.0_f64, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
             let part = PaddedPoints::of(segment, (ends[0], ends[1]));
             let first = segment.origin() + part.points[0];
             extremes.include(DAabb::about(first, part.extent));
             // It may be lost in the extremes: below their resolution.
             spread = spread.max(part.spread());
+            error = error.max(part.error);
         }
         let mut compact = Self {
             frame: Frame::around(extremes, 0.0),
@@ -93,7 +94,7 @@ impl CompactTrajectory {
                 });
         }
         form_runs(knots, compact_cubics, cast_slice_mut(runs));
-        (compact, extremes)
+        (compact, extremes, error)
     }
 
     /// Returns the first and last knot, s; the first is later only if there are no knots.

@@ -11,7 +11,7 @@ pub(super) struct PaddedPoints {
     /// Largest distance of a point from the first one, m.
     pub(super) extent: f64,
     /// Error of the points and the solver's rounding, m: a quarter of the padding for both.
-    error: f64,
+    pub(super) error: f64,
 }
 
 impl PaddedPoints {

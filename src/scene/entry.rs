@@ -22,10 +22,10 @@ pub(crate) struct MotionSummary {
 impl MotionSummary {
     fn of(trajectory: &Trajectory, cache_lines: &mut [CacheLine]) -> Self {
         let (knots, segments) = (trajectory.piece_knots(), trajectory.cubics());
-        let (compact, extremes) = CompactTrajectory::write(knots, segments, cache_lines);
+        let (compact, extremes, error) = CompactTrajectory::write(knots, segments, cache_lines);
         let mut summary = Self {
             extremes,
-            error: largest_error(knots, segments),
+            error,
             path: segments.iter().map(Segment::extent).sum(),
             compact,
         };
@@ -45,22 +45,6 @@ impl MotionSummary {
             high: self.extremes.high + self.error,
         }
     }
-}
-
-/// Returns the largest error of a piece's points, m. That of a piece beyond its segment's own interval, which is left of
-/// an end motion, is not the segment's.
-fn largest_error(knots: &[f64], segments: &[Segment]) -> f64 {
-    let errors = segments
-        .iter()
-        .zip(knots.windows(2))
-        .map(|(segment, ends)| {
-            if segment.covers(ends[0], ends[1]) {
-                segment.error()
-            } else {
-                segment.restrict(ends[0], ends[1]).error
-            }
-        });
-    errors.fold(0.0, f64::max)
 }
 
 /// The storage of a body's compact trajectory.
