@@ -16,7 +16,7 @@
 /// of nine runs (of the largest set, five) on seven sets of real trajectories. Finding candidates
 /// dominates, and is common to both.
 ///
-/// The local scale L of two segments is the distance of their origins plus their extents. Neither
+/// The local scale L of two segments is the distance of their origins, the positions where they begin, plus their extents. Neither
 /// the absolute position nor the absolute time enters, but for polynomials in absolute time: their terms may be larger
 /// than what they add up to.
 ///

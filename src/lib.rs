@@ -44,7 +44,7 @@
 //!   -> bounds        hull of a part of a segment, rounded outward to a parry3d Aabb (f32)
 //!   -> broad phase   time slices x boxes -> candidate pairs
 //!   -> spans         merged intervals: both bodies on one segment each
-//!   -> narrow phase  relative cubic -> degree-6 distance -> closest approach, contact intervals
+//!   -> narrow phase  relative cubic -> squared distance of degree 6 -> closest approach, contact intervals
 //!   -> conflicts     maximal intervals per pair, sorted, the same bits on any number of threads
 //!   -> monitor       clock + plans that change -> events
 //! ```
@@ -80,8 +80,8 @@
 //!
 //! # Accuracy
 //!
-//! Answers are f64, good to a few roundings of the local scale (the distance of the two bodies'
-//! knots plus the extents of their segments); neither the absolute position nor the absolute time
+//! Answers are f64, good to a few roundings of the local scale (the distance of the places
+//! where the two bodies' segments begin, plus the extents of these); neither the absolute position nor the absolute time
 //! enters. Exception: polynomials in absolute time are good to a few roundings of their largest term. Distances within
 //! that rounding of the margin are reported, so a touch is never lost.
 //!

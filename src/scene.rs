@@ -58,7 +58,7 @@ use std::slice::from_ref;
 /// |---|---|
 /// | record of the body (its slot) | 192 |
 /// | summary of its plan | 150 |
-/// | end motions before and after its plan | 260 |
+/// | cubics on which its plan may go on before and after its knots | 260 |
 /// | room for two more segments in front, for a monitor's splices | 270 |
 /// | lists | 80 |
 ///
@@ -66,7 +66,7 @@ use std::slice::from_ref;
 /// |---|---|
 /// | segment | 128 |
 /// | copy in f32, for boxes | 64 |
-/// | bounds of runs of cubics | 22 |
+/// | bounds of four cubics, and of four such bounds, at a time | 22 |
 /// | knot, twice | 16 |
 ///
 /// The f32 copies, bounds and copied knots are stored contiguously, in large pages if the system
@@ -77,7 +77,7 @@ use std::slice::from_ref;
 /// to 32 MiB. An empty scene holds none. Slots of 192 bytes, for the largest number of bodies so
 /// far, are reused and freed with the scene.
 ///
-/// A screening adds some 190 bytes a body where more than one body in eight has a plan, else 30. For
+/// A screening adds some 190 bytes a body where more than one body in eight has a plan of several states, else 30. For
 /// each thread it adds at most 64 MiB of boxes (64 bytes each, for up to 2^20 boxes, or one slice if
 /// that has more). It also adds 40 to 130 bytes a box of one slice for the sweep, 8 for each of a
 /// slice's candidates, and 16 for each span that is solved. Boxes, candidates and the sweep's lists are
@@ -119,7 +119,7 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
-    /// Numbers of bodies by their layers: tell which bodies can be part of a pair.
+    /// What is counted of all bodies: tells which of them can be part of a pair.
     kinds: Kinds,
     /// Memory of the bodies' compact trajectories.
     arena: CubicArena,

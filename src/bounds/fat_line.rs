@@ -15,8 +15,8 @@ pub(crate) struct FatLine {
 }
 
 impl FatLine {
-    /// Returns true of a body that teleports in the slice: it strays far from its line, for an instant. So do other
-    /// bodies that are large beside their way.
+    /// Returns true of a body that teleports in the slice: it strays far from its line, for an instant. So do
+    /// bodies that are large next to the way they go.
     #[inline]
     pub(crate) fn may_teleport(&self) -> bool {
         let way = self

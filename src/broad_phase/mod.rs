@@ -43,7 +43,7 @@ pub struct BodyBox {
     /// common velocity. The unit is the metre, or a power of two of metres. Corners are finite, the
     /// low one nowhere above the high one. The box may be flat, or as large as `f32` allows.
     pub aabb: Aabb,
-    /// The body's dense index; a body has at most one box in a slice.
+    /// The box's place among those of the slice, or the body's slot in a monitor.
     pub body: u32,
 }
 

@@ -82,8 +82,8 @@ impl<'m> BodyTable<'m> {
         self.monitored.view(self.scene, slot)
     }
 
-    /// Returns the body in a slot, and true if its plan alone does not tell its [heights](crate::scene::PlaneHeights) up
-    /// to an instant (s).
+    /// Returns the body in a slot, and true if its plan alone does not tell its [heights](crate::scene::PlaneHeights) above
+    /// a half-space's plane up to an instant (s).
     #[inline]
     pub(super) fn entry(&self, slot: u32, until: f64) -> Option<(&'m SceneEntry, bool)> {
         let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
@@ -94,7 +94,8 @@ impl<'m> BodyTable<'m> {
         Some((entry, is_extended))
     }
 
-    /// Returns the source of a body's boxes; without a partner, that of a body that never exists.
+    /// Returns the source of a body's boxes, its cubics with their padding; without a partner, that of a body that never
+    /// exists.
     #[inline(always)]
     pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
         let frame = &self.grid.frame;

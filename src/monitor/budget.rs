@@ -23,8 +23,8 @@ pub enum Budget {
     ///   many times in the lookahead.
     /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
     ///   searched in parts.
-    /// - A search of the whole lookahead, where most bodies change in each tick. It takes few slices, often one. The
-    ///   budget of the tick before must have sufficed for all of them but one.
+    /// - A search of the whole lookahead, where most bodies change in each tick. It takes few slices, often one. It
+    ///   is done only if the tick before had time for all of these, or all but one.
     ///
     /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
     /// second one.

@@ -180,15 +180,15 @@ impl Monitor {
     /// A plan that the body follows already is taken over like any other: `from` becomes a knot, and the body counts as
     /// [changed](crate::Stats::changed). ([`track`](Self::track) leaves such a body as it is.)
     ///
-    /// Cost: the plan stays in its own memory, which has room for two preceding pieces. Usually one
+    /// Cost: the plan stays in its own memory, which has room for two preceding cubics. Usually one
     /// or two are needed, and nothing is allocated. More are needed with a history, if `from` lies
     /// several knots ahead, or if the plan extends far from its first knot back to `from`. A plan
     /// that was itself [spliced](Trajectory::spliced) has less room.
     ///
-    /// A plan that [`set_trajectory`](Self::set_trajectory) or an insertion gave at the present clock is not forgotten by a
-    /// replan from that clock on: for this instant the body is at both places.
+    /// A replan from the present clock on does not undo what [`set_trajectory`](Self::set_trajectory) or an insertion gave
+    /// at that clock: at this instant the body is at both places.
     ///
-    /// The plan may begin elsewhere, but a far jump is expensive: until it is past, all bodies
+    /// The plan may begin elsewhere, but a great distance to that place is expensive: until the change is past, all bodies
     /// between the two places are neighbours. For a body that reappears elsewhere,
     /// [`set_trajectory`](Self::set_trajectory) is cheaper.
     ///

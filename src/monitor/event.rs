@@ -159,7 +159,7 @@ pub enum EventKind {
     Predicted(Encounter),
     /// The encounter changed by more than the [revision threshold](crate::RevisionThreshold) since its
     /// first event or its last `Revised`: its enter or exit, its closest approach, or the model error of its bodies. If it
-    /// began in the same tick, `Began` comes first, with the same numbers: the change is from those before both.
+    /// began in the same tick, `Began` comes first and has the same numbers: both differ from those of the event before.
     Revised(Encounter),
     /// The encounter had not begun, and is no longer predicted: a plan, a body or the pair changed, a body was removed, or
     /// the monitor was closed.
@@ -185,8 +185,8 @@ pub enum EventKind {
 #[non_exhaustive]
 pub struct Event {
     /// Time, s: the enter of what began, the exit of what ended, or the end of the plan that ends.
-    /// Otherwise the monitor's clock; for withdrawals by a removal, the clock of the tick before, or the instant up to
-    /// which that tick reported events if its budget ran out.
+    /// Otherwise the monitor's clock; for withdrawals by a removal or by [`Monitor::close`](crate::Monitor::close),
+    /// the instant up to which the tick before reported events: its clock, unless its budget ran out.
     pub time: f64,
     /// Kind, with the encounter or the body.
     pub kind: EventKind,

@@ -33,7 +33,7 @@ impl JumpSearch {
     /// Number of slices below which they are searched one by one.
     const FEW: f64 = 16.0;
 
-    /// Boxes and candidates, and of each body: a chunk that takes fewer is followed by one that is twice
+    /// Boxes and candidates, in all and more for each body: a chunk that takes fewer is followed by one that is twice
     /// as long.
     const LITTLE: (usize, usize) = (1 << 15, 8);
 

@@ -7,9 +7,10 @@
 //! each tick, so that no tick takes much longer than others. (Later, and in fewer ticks, where many plans
 //! change: see [`due_ahead`].)
 //!
-//! A search from nothing forms boxes of all bodies, and keeps none. There are two of them. If the clock has
+//! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
 //! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If most bodies have changed, all of
-//! the lookahead is, and slices have no boxes until few bodies change.
+//! the lookahead is, and slices have no boxes until few bodies change. A slice in which too many boxes overlap is, in
+//! shorter slices.
 
 mod ahead;
 mod ask;

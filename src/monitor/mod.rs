@@ -86,19 +86,19 @@ use told_motions::ToldMotions;
 /// # Cost
 ///
 /// A tick works on changed plans, on the time that comes into the lookahead, and on encounters that an
-/// edge of the lookahead or the clock cuts. An encounter under way costs about a microsecond a tick,
-/// and at each level a tenth for each span (a cubic of one body with a cubic of the other) that it has in
-/// the lookahead. Where most bodies are within the margin of many others all the time, screening anew
+/// edge of the lookahead, or the clock, cuts off. An encounter under way costs about a microsecond a tick,
+/// and a tenth of one at each level for each of its spans in the lookahead. (A span is a cubic of one body with a
+/// cubic of the other.) Where most bodies are within the margin of many others all the time, screening anew
 /// may be cheaper.
 ///
 /// The lookahead is cut into up to 2,048 slices that suit the scene. Ticks without a budget check now
 /// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
 /// first one.
 ///
-/// A tick is one screening of the lookahead if more than three quarters of the bodies changed before it and before
-/// the previous one. With a budget, that of the previous one must have sufficed for all slices of the screening but
-/// one. The next tick before which fewer bodies changed takes longer: it forms the boxes of all bodies, with which
-/// changed ones are compared from then on.
+/// Where more than three quarters of the bodies change before a tick, and did so before the previous tick, the tick
+/// screens its lookahead as a whole. With a budget there is one more condition: the previous tick had time for all
+/// slices of such a screening, or all but one. A later tick before which fewer bodies change takes longer, once: it
+/// forms the boxes of all bodies, and changed ones are compared with these from then on.
 ///
 /// # Threads
 ///
@@ -165,12 +165,13 @@ pub struct Monitor {
     stats: Stats,
     /// Number of changes of bodies since the last tick.
     changed_bodies: u64,
+    /// The last comparison of the grid, the slices and the frame of boxes, with the scene.
     grid_review: GridReview,
     /// The last batch of changes: the next tick drops what it has replaced.
     batch: CommandBatch,
     /// Memory of [`track`](Self::track).
     told: ToldMotions,
-    /// Conflicts and planned encounters as they were read last.
+    /// Conflicts, and encounters by the plans as they are, as the last tick read them from the solved spans.
     readings: LevelCaches,
     interrupt: Option<Arc<Interrupt>>,
     #[cfg(feature = "recording")]
@@ -280,8 +281,8 @@ impl Monitor {
     /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
     /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are
-    /// copied with each such call, a tenth of a microsecond a knot. Ticks look at the kept time again: they take
-    /// half as long again where 50 of 2,000 bodies are replanned each tick.
+    /// copied with each such call, a tenth of a microsecond a knot. Ticks examine the kept time of
+    /// replanned bodies anew: where 50 of 2,000 bodies are replanned each tick, ticks take 1.5 times as long.
     ///
     /// # Errors
     ///
@@ -302,7 +303,7 @@ impl Monitor {
 
     /// Sets the limit of spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) by default. A span
     /// counts if its bodies come within the largest release margin in the lookahead: a common interval of a
-    /// cubic of one body with a cubic of another. Clusters have one for each two spheres that matter. Spans in
+    /// cubic of one body with a cubic of another. Two clusters count once for each pair of spheres that is solved. Spans in
     /// the time that the clock passes over in the tick count as well. Each slice of time has room for eight times
     /// as many spans that cheap tests cannot rule out, and for as many pairs whose boxes meet as the limit says,
     /// but at least 2^22. If all bodies are in one place, all pairs count: a tick then ends with
@@ -365,10 +366,11 @@ impl Monitor {
         self.known >= self.now + self.lookahead
     }
 
-    /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the
-    /// last tick, sorted by (enter, a, b): with bodies that were removed since. The list is empty while nothing after now is
-    /// known, as before the first tick: that is no free way. A conflict under way comes first: its
-    /// enter is the clock, and it is clipped there. [`encounters`](Self::encounters) has when it began.
+    /// Returns all conflicts of a level from now to [`complete_until`](Self::complete_until), as of the last tick,
+    /// sorted by (enter, a, b); also those of bodies that were removed since. The list is empty while nothing after
+    /// now is known, as before the first tick: that does not mean that there are no conflicts. A conflict under way
+    /// comes first: its enter is the clock, and it is clipped there. [`encounters`](Self::encounters) has when it
+    /// began.
     ///
     /// # Errors
     ///

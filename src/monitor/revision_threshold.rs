@@ -3,12 +3,11 @@
 /// The largest change of an encounter that is not reported, measured from its first event or its last
 /// [`Revised`](crate::EventKind::Revised).
 ///
-/// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an
-/// instant that was computed. States told in f32 change predictions by more, in each tick: choose some
-/// hundredths there. Another instant of closest approach is reported if the separation at the one reported before exceeds the
-/// least by more than the threshold. With 0 every change is reported. Exception: the nearest point of an open
-/// encounter changes each tick while it lies at the end of the known time. It is reported once a lookahead at
-/// most.
+/// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an instant
+/// that was computed. States told in f32 change predictions by more, in each tick: choose some hundredths there. A
+/// closest approach at another time is reported if the separation at the time reported before exceeds the new least
+/// separation by more than the threshold. With 0 every change is reported. Exception: the nearest point of an open
+/// encounter changes each tick while it lies at the end of the known time. It is reported once a lookahead at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RevisionThreshold {

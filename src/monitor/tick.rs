@@ -24,7 +24,7 @@ use crate::wall_clock::Instant;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends the events since the last tick to `events`, in their order. The
-    /// clock may stand still, or jump. A far jump reports all encounters on the way; its cost depends on
+    /// clock may stand still, or jump. A jump reports all encounters on the way, however long it is; its cost depends on
     /// these, hardly on its length.
     ///
     /// In steady state a tick on one thread allocates nothing: it uses the memory of earlier ones, which holds as much as was
@@ -48,7 +48,8 @@ impl Monitor {
     ///
     /// - Bodies are inserted or removed meanwhile, or hitboxes, layers, model errors or ignored pairs change. All of these
     ///   count from `complete_until` on if it is before the clock.
-    /// - A plan changes an instant, up to the clock, that one monitor has reported and another has not.
+    /// - A plan changes for an instant that is not after the clock, which one of two monitors has reported and the other,
+    ///   behind by its budget, has not.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

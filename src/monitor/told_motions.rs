@@ -21,7 +21,8 @@ pub(super) struct ToldMotions {
     pub(super) is_moved: Vec<bool>,
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
-    /// Places of the other bodies, and how each comes to follow its motion, if that is not refused.
+    /// Places of the bodies whose motions are not replaced in place from the time of the call on, and how each comes to
+    /// follow its motion, if that is not refused.
     pub(super) others: Vec<(usize, Result<ToldPlan, Error>)>,
     /// The bodies whose motions were late, and the instants from which they follow them, s.
     pub(super) late: Vec<(BodyId, f64)>,
@@ -88,7 +89,7 @@ impl ToldMotions {
 pub(super) enum ToldPlan {
     /// The body follows the motion already, at least from an instant (s) on.
     Same(f64),
-    /// The body's motion is replaced in place at an instant (s).
+    /// The body's motion is replaced in place, too, but from another instant (s) on.
     InPlace(f64),
     /// The body takes another plan, which it follows from an instant (s) on.
     Replan(f64, Box<(Trajectory, MonitoredBody)>),

@@ -26,10 +26,10 @@ impl Monitor {
     ///
     /// - A state with a [spin](BodyState::with_spin) sets the orientation as well, from `now` on; without one the
     ///   body goes on turning as it does.
-    /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of
-    ///   that very time, is not changed: leave out bodies that sleep. Nor is one that rests, and is told to rest
-    ///   there. Its last knot stays where it was, so [`extend`](Self::extend) refuses what begins at `now`: use
-    ///   [`replan`](Self::replan).
+    /// - A body that is left out keeps its plan. A body that already follows that very motion, from a state of that
+    ///   very time, is not changed; nor is one that rests, and is told to rest there. (So bodies that sleep may be
+    ///   left out.) The last knot of an unchanged body stays where it was, so [`extend`](Self::extend) refuses what
+    ///   begins at `now`: use [`replan`](Self::replan).
     /// - A state is late if `now` lies before the clock of the last tick. The body then follows it from the instant
     ///   given by the rule at [`replan`](Self::replan): later than `now` if its motion at `now` was forgotten.
     /// - The last state of a body that is named twice counts.
@@ -247,7 +247,7 @@ impl Monitor {
             let id = told.ids[place];
             let plan = plan?;
             told.is_moved[place] = !matches!(plan, ToldPlan::Same(_));
-            // Motions that are replaced in place are followed from `now` on.
+            // Those that were not listed here are followed from `now` on.
             if now < plan.from() {
                 told.late.push((id, plan.from()));
             }

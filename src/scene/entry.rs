@@ -15,7 +15,7 @@ pub(crate) struct MotionSummary {
     error: f64,
     /// Sum of the segments' extents, m: a bound on the length of the path.
     pub(crate) path: f64,
-    /// Header of the compact trajectory; its cache lines are stored separately.
+    /// Header of the compact trajectory, the copy in f32; its cache lines are stored separately.
     pub(crate) compact: CompactTrajectory,
 }
 

@@ -10,7 +10,7 @@ use crate::orientation::Turning;
 use crate::rounding::UNIT_ROUNDOFF;
 use std::collections::BTreeMap;
 
-/// The kinds of bodies in a scene: the number of bodies with each layers, and the largest radius.
+/// The kinds of bodies in a scene: the number of bodies of each, the largest radius, and the presence of model errors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kinds {
     /// By membership and filter of a kind: the number of bodies, and true if they have a partner; none of a new kind.

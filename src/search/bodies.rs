@@ -1,11 +1,12 @@
-//! The bodies of a search, under dense numbers.
+//! The bodies of a search, by number.
 
 use super::form_slices::{SlicesToForm, SourcesInPlace};
 use crate::bounds::HullTest;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
 
-/// Access to bodies under dense numbers: all that a search knows of a scene or a monitor.
+/// Access to bodies by number (dense in a screening; slots in a monitor, some without a body): all that a search knows of
+/// a scene or a monitor.
 pub(crate) trait Bodies: Sync {
     /// Returns the view of a body; one that never exists if there is none.
     fn view(&self, body: u32) -> BodyView<'_>;

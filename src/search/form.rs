@@ -31,7 +31,8 @@ impl SliceBounds {
         self.bodies.push(body);
     }
 
-    /// Gives each body that teleports in the slice another place: one is for the time before, one for that after.
+    /// Gives each body that teleports in the slice, that is, is told another place, a second box: the first is for the time
+    /// before, the second for that after.
     /// `parts` returns the bounds there.
     pub(super) fn split_teleports(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
         /// Bodies that tell how large most are.

@@ -1,9 +1,10 @@
 //! The search for spans that may hold a contact, for screenings and monitors.
 //!
-//! Time is cut into slices. In each slice every body has a box and a fat line. Overlapping boxes
-//! give candidates, and cheap tests leave spans of these. Bodies have dense numbers only
-//! ([`Bodies`]). [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last part,
-//! which a monitor's slices use directly.
+//! Time is cut into slices. In each slice every body has a box, and a *fat line*, a closer bound: a line with a
+//! radius. (A body that is told another place within the slice *teleports*: it has two of each.) Overlapping boxes
+//! give candidates, and cheap tests leave spans of these. Bodies are known by numbers alone ([`Bodies`]): dense ones
+//! in a screening, slots in a monitor. [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last
+//! part, which a monitor's slices use directly.
 //!
 //! Words: [`internals`](crate::internals).
 

@@ -8,7 +8,8 @@
 pub(crate) struct Pace {
     /// Shares and instants (s), both ascending; none if the pace is even.
     points: Vec<(f64, f64)>,
-    /// The time in which as many bodies exist as usually where one exists, s; not used if the pace is even.
+    /// The duration of the window if, all the time, as many bodies existed as a body usually exists with, s: shorter than
+    /// the window where bodies crowd into some of it. Not used if the pace is even.
     busy: f64,
 }
 

@@ -178,7 +178,8 @@ impl<'p> TimeSlices<'p> {
         ends.extend(boundaries.map(|index| self.boundary(index)));
     }
 
-    /// Returns a window (s) for statistics, as long as the time in which most bodies exist.
+    /// Returns a window (s) for statistics, shorter than the whole where bodies crowd into some of its time: see
+    /// [`Pace`].
     pub(crate) fn busy(&self) -> (f64, f64) {
         let duration = self.pace.busy(self.end - self.start);
         (self.start, self.start + duration)

@@ -68,10 +68,11 @@ pub struct Trajectory {
     storage: Storage,
 }
 
-/// The ways in which a trajectory is stored.
+/// The ways in which a trajectory is stored. Between its knots, and beyond them as far as it is asked about, it consists of
+/// *pieces*, each on one cubic; on the *end motion* it goes on before the first knot or after the last one.
 #[derive(Clone, Debug)]
 enum Storage {
-    /// Straight motion for all time, from one state. It takes no memory beside this.
+    /// Straight motion for all time, from one state. It takes no other memory.
     ///
     /// The two instants (s) lie one duration of its cubic before the state, and one after it. Between them the motion
     /// is one cubic. Farther away the motion is cut into [pieces](extension), as beyond the knots of a plan.
@@ -119,8 +120,8 @@ impl Trajectory {
     }
 
     /// Returns the rule after the last knot. After a [splice](Self::spliced) it may differ from the
-    /// one [before](Self::outside_before) the first knot. A plan spliced in after its own last knot
-    /// keeps its end motion.
+    /// one [before](Self::outside_before) the first knot. A plan that is spliced in after its own
+    /// last knot goes on as it did there.
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.storage {
@@ -161,7 +162,8 @@ impl Trajectory {
         }
     }
 
-    /// Returns the straight motions between the [knots of its pieces](Self::piece_knots); none of a plan.
+    /// Returns the straight motions between the [knots of its pieces](Self::piece_knots); none if there are
+    /// [cubics](Self::cubics).
     pub(crate) fn straight_motions(&self) -> &[StraightMotion] {
         match &self.storage {
             Storage::Straight(motion, _) => from_ref(motion),

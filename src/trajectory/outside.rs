@@ -11,8 +11,8 @@
 /// [`Accuracy::Exact`](crate::Accuracy::Exact) reports conflicts that this leaves open,
 /// [`Accuracy::Certified`](crate::Accuracy::Certified) marks them as unresolved.
 ///
-/// Cost: in a window in which bodies cross the scene many times, every pair counts as near. Up to
-/// 1e12 s, 1,000 bodies at 10 m/s take 0.1 s, and 5,000 take 0.4 s.
+/// Cost: in a window so long that bodies fly through the whole scene many times, every pair counts as near. With windows
+/// of up to 1e12 s, a screening of 1,000 bodies at 10 m/s takes 0.1 s, and one of 5,000 takes 0.4 s.
 ///
 /// ```
 /// use nearmiss::glam::DVec3;

@@ -14,7 +14,8 @@ use crate::window::Window;
 use std::iter::once;
 use std::sync::OnceLock;
 
-/// The last few straight motions of a body, one after another. They take no memory beside this.
+/// The last few straight motions of a body, one after another. They take no other memory, unless somebody asks
+/// for a list of cubics.
 ///
 /// Each motion listed here is one piece. The last motion goes on for ever: only its first piece after the last knot is
 /// listed.

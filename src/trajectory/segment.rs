@@ -1,4 +1,4 @@
-//! A cubic between two knots, in local form.
+//! A cubic between two knots, relative to the position at the first one.
 
 mod restriction;
 

@@ -2,8 +2,8 @@
 
 /// Returns the share of the work on the next slice that is due.
 ///
-/// - `share`: the part of the time since the slice before became needed that has passed until the next one is, 0 to 1;
-/// - `step`: the part of that time that has passed since the tick before;
+/// - `share`: the part that has passed of the time between two slices becoming needed, the last one and the next, 0 to 1;
+/// - `step`: the part of it that has passed since the tick before;
 /// - the number of bodies that changed since the tick before, and that of all bodies.
 ///
 /// Work done ahead is repeated for each body that changes after it. So if many bodies change, work begins

@@ -1,5 +1,5 @@
-//! Searches from nothing: boxes of all bodies are formed for one search, and none is kept. There is one of the time
-//! that the clock passed over, and one of the whole lookahead.
+//! Searches from nothing: boxes of all bodies are formed for one search, and none is kept. Here are those of the
+//! time that the clock passed over, and of the whole lookahead. (That of one slice is in `slice/refine.rs`.)
 
 use super::super::bodies::BodyTable;
 use super::super::budget::{BudgetMeter, TickWork};

@@ -144,7 +144,7 @@ impl LookaheadSlice {
         matches!(self.stage, BuildStage::Joining(..) | BuildStage::Built)
     }
 
-    /// Returns true if all that is due is compared.
+    /// Returns true if all that is due is compared: the slice is *fresh*.
     pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
         let is_there = match self.stage {
             // Changed bodies are boxed again when the slice is built.
