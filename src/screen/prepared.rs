@@ -292,6 +292,8 @@ impl Bodies for ListedBodies<'_> {
 }
 
 impl BoxedBodies for ListedBodies<'_> {
+    const ARE_SHARED: bool = false;
+
     fn form(&self, slices: SlicesToForm<'_>) {
         slices.form_listed(self.sources);
     }

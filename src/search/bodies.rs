@@ -39,11 +39,16 @@ pub(crate) trait Bodies: Sync {
 
 /// Bodies of which boxes can be formed.
 pub(crate) trait BoxedBodies: Bodies {
+    /// True if several threads can share the bodies of a few slices.
+    const ARE_SHARED: bool;
+
     /// Forms the boxes and fat lines of some bodies in a few slices.
     fn form(&self, slices: SlicesToForm<'_>);
 }
 
 impl<B: Bodies + SourcesInPlace> BoxedBodies for B {
+    const ARE_SHARED: bool = true;
+
     fn form(&self, slices: SlicesToForm<'_>) {
         slices.form_in_place(self);
     }

@@ -9,6 +9,7 @@ use crate::count::{as_f64, short};
 use crate::simd::Task;
 use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
+use parry3d::math::Vector;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
 #[derive(Clone, Debug, Default)]
@@ -23,12 +24,58 @@ pub(crate) struct SliceBounds {
 }
 
 impl SliceBounds {
+    /// Stands for the box of a body that does not exist in the slice, until it is [dropped](Self::drop_missing).
+    pub(super) const MISSING: BodyBox = BodyBox {
+        aabb: Aabb {
+            mins: Vector::ZERO,
+            maxs: Vector::ZERO,
+        },
+        body: u32::MAX,
+    };
+
     #[inline(always)]
     pub(super) fn push(&mut self, body: u32, (fat_line, aabb): (FatLine, Aabb)) {
         let place = short(self.bodies.len());
         self.boxes.push(BodyBox { aabb, body: place });
         self.fat_lines.push(fat_line);
         self.bodies.push(body);
+    }
+
+    /// Returns the lists of boxes and fat lines of so many bodies, in shares. What they held is to be overwritten.
+    pub(super) fn shares(
+        &mut self,
+        bodies: usize,
+        share: usize,
+    ) -> impl Iterator<Item = (&mut [BodyBox], &mut [FatLine])> {
+        self.boxes.resize(bodies, Self::MISSING);
+        self.fat_lines.resize(bodies, FatLine::default());
+        let boxes = self.boxes.chunks_mut(share);
+        boxes.zip(self.fat_lines.chunks_mut(share))
+    }
+
+    /// Takes over the names of bodies, each with a box.
+    pub(super) fn take_names(&mut self, bodies: &[u32]) {
+        self.bodies.clear();
+        self.bodies.extend_from_slice(bodies);
+        self.second_places = 0;
+    }
+
+    /// Drops the bodies whose boxes are [missing](Self::MISSING).
+    pub(super) fn drop_missing(&mut self) {
+        let mut kept = 0;
+        for place in 0..self.boxes.len() {
+            let one = self.boxes[place];
+            if one.body != Self::MISSING.body {
+                let body = short(kept);
+                self.boxes[kept] = BodyBox { body, ..one };
+                self.fat_lines[kept] = self.fat_lines[place];
+                self.bodies[kept] = self.bodies[place];
+                kept += 1;
+            }
+        }
+        self.boxes.truncate(kept);
+        self.fat_lines.truncate(kept);
+        self.bodies.truncate(kept);
     }
 
     /// Gives each body that teleports in the slice, that is, is told another place, a second box: the first is for the time
@@ -106,12 +153,17 @@ pub(crate) struct SliceBlock {
 }
 
 impl SliceBlock {
-    /// Empties the first slices, and makes room for so many boxes in each.
-    pub(super) fn clear(&mut self, count: usize, room: usize) {
+    /// Returns the first slices, as they were left.
+    pub(super) fn first_slices(&mut self, count: usize) -> &mut [SliceBounds] {
         if self.slices.len() < count {
             self.slices.resize_with(count, SliceBounds::default);
         }
-        for slice in &mut self.slices[..count] {
+        &mut self.slices[..count]
+    }
+
+    /// Empties the first slices, and makes room for so many boxes in each.
+    pub(super) fn clear(&mut self, count: usize, room: usize) {
+        for slice in self.first_slices(count) {
             slice.boxes.clear();
             slice.fat_lines.clear();
             slice.bodies.clear();

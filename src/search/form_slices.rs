@@ -11,7 +11,6 @@ use crate::count::short;
 use crate::parallel;
 use crate::simd::{InstructionSet, Task};
 use parry3d::bounding_volume::Aabb;
-use parry3d::math::Vector;
 
 /// Bodies whose sources are made in place.
 pub(crate) trait SourcesInPlace: Sync {
@@ -45,7 +44,7 @@ pub(crate) struct SlicesToForm<'a> {
 
 impl SlicesToForm<'_> {
     /// Bodies in a share of the work. Fewer than two shares stay on this thread.
-    const SHARE: usize = 2048;
+    pub(super) const SHARE: usize = 2048;
 
     /// Forms them from a list of all bodies.
     pub(crate) fn form_listed<C: BoundingCubic>(self, sources: &[CubicSource<'_, C>]) {
@@ -61,9 +60,9 @@ impl SlicesToForm<'_> {
     /// Forms them with sources made in place.
     pub(crate) fn form_in_place<B: SourcesInPlace>(mut self, bodies: &B) {
         let count = self.ends.len() - 1;
-        // Slices are shared by threads where there are several.
-        let is_shared = count == 1 && self.threads > 1;
-        if !is_shared || !self.form_shared(bodies) {
+        if self.threads > 1 && self.present.len() > Self::SHARE {
+            self.form_shared(bodies);
+        } else {
             self.form_alone(bodies);
         }
         let slices = &mut self.block.slices[..count];
@@ -91,33 +90,33 @@ impl SlicesToForm<'_> {
         });
     }
 
-    /// Forms those of one slice on several threads. Returns false if not all bodies exist in it.
-    fn form_shared<B: SourcesInPlace>(&mut self, bodies: &B) -> bool {
+    /// Forms them on several threads, on each those of some bodies in all slices.
+    fn form_shared<B: SourcesInPlace>(&mut self, bodies: &B) {
         let (present, ends, frame) = (self.present, self.ends, self.frame);
-        let instructions = self.instructions;
-        if self.block.slices.is_empty() {
-            self.block.slices.push(SliceBounds::default());
+        let (instructions, count) = (self.instructions, ends.len() - 1);
+        let slices = self.block.first_slices(count);
+        let mut shares = Vec::new();
+        let count_of_shares = present.len().div_ceil(Self::SHARE);
+        shares.resize_with(count_of_shares, || (Vec::new(), 0));
+        for slice in &mut *slices {
+            let lists = slice.shares(present.len(), Self::SHARE);
+            for ((share, _), lists) in shares.iter_mut().zip(lists) {
+                share.push(lists);
+            }
         }
-        let slice = &mut self.block.slices[0];
-        // What they held is overwritten.
-        let any = BodyBox {
-            aabb: Aabb::new(Vector::ZERO, Vector::ZERO),
-            body: 0,
-        };
-        slice.boxes.resize(present.len(), any);
-        slice.fat_lines.resize(present.len(), FatLine::default());
-        let boxes = slice.boxes.chunks_mut(Self::SHARE);
-        let lists = boxes.zip(slice.fat_lines.chunks_mut(Self::SHARE));
-        let mut shares: Vec<_> = lists.map(|lists| (lists, 0)).collect();
-        parallel::for_each(&mut shares, |share, ((boxes, lines), formed)| {
+        parallel::for_each(&mut shares, |share, (lists, formed)| {
+            for one in lists.iter_mut().flat_map(|(boxes, _)| &mut **boxes) {
+                one.body = SliceBounds::MISSING.body;
+            }
             let first = share * Self::SHARE;
             instructions.run(FormInPlace {
                 instructions,
                 frame,
                 bodies,
-                present: present[first..first + boxes.len()].iter().copied(),
+                present: present[first..].iter().copied().take(Self::SHARE),
                 ends,
-                put: |(number, _), _, (fat_line, aabb)| {
+                put: |(number, _), slice: usize, (fat_line, aabb)| {
+                    let (boxes, lines) = &mut lists[slice];
                     let body = short(first + number);
                     boxes[number] = BodyBox { aabb, body };
                     lines[number] = fat_line;
@@ -125,11 +124,13 @@ impl SlicesToForm<'_> {
                 },
             });
         });
-        let formed = shares.into_iter().map(|(_, formed)| formed);
-        slice.bodies.clear();
-        slice.second_places = 0;
-        slice.bodies.extend_from_slice(present);
-        formed.sum::<usize>() == present.len()
+        let formed: usize = shares.into_iter().map(|(_, formed)| formed).sum();
+        for slice in slices {
+            slice.take_names(present);
+            if formed < count * present.len() {
+                slice.drop_missing();
+            }
+        }
     }
 }
 

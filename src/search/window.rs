@@ -54,7 +54,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let bodies = self.lifetimes.len();
-        let blocks = SliceBlocks::of(slices, statistics, (bodies, self.threads));
+        let are_shared = S::ARE_SHARED && bodies > SlicesToForm::SHARE;
+        let blocks = SliceBlocks::of(slices, statistics, (bodies, self.threads, are_shared));
         let done_blocks = AtomicU32::new(0);
         let is_exceeded = AtomicBool::new(false);
         let search = |scratch: &mut SearchScratch, block: u32| {
@@ -119,7 +120,13 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
         // Taken out meanwhile, so that the rest can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
-        self.form(&ends, &scratch.present, &mut block);
+        // Blocks are shared by threads where there are several.
+        let threads = if range.len() == slices.count() as usize {
+            self.threads
+        } else {
+            1
+        };
+        self.form(&ends, &scratch.present, threads, &mut block);
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -171,14 +178,14 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(stats)
     }
 
-    fn form(&self, ends: &[f64], present: &[u32], block: &mut SliceBlock) {
+    fn form(&self, ends: &[f64], present: &[u32], threads: usize, block: &mut SliceBlock) {
         self.bodies.form(SlicesToForm {
             block,
             frame: self.frame,
             present,
             ends,
             instructions: self.instructions,
-            threads: self.threads,
+            threads,
         });
     }
 
@@ -250,7 +257,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
         if from < middle && middle < to {
-            self.form(&[from, middle, to], slice.each_body(), &mut halves);
+            self.form(&[from, middle, to], slice.each_body(), 1, &mut halves);
         }
         let whole = BoxSizes::of(&slice.boxes);
         let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));
@@ -386,7 +393,7 @@ impl SliceBlocks {
     fn of(
         slices: &TimeSlices<'_>,
         statistics: &SceneStatistics,
-        (bodies, threads): (usize, usize),
+        (bodies, threads, are_bodies_shared): (usize, usize, bool),
     ) -> Self {
         let present = statistics.present(slices.busy());
         let cubics = statistics.cubics_in(slices.length());
@@ -397,7 +404,10 @@ impl SliceBlocks {
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(short(most));
         let threads = short(threads);
-        let is_shared = threads > 1 && u64::from(slices) * bodies as u64 > FEW_BOXES as u64;
+        // Plans of many cubics lie in no cache. If each thread formed some slices, all would wait for all plans.
+        let is_together = are_bodies_shared && cubics >= 1.0 && count == 1;
+        let has_many = u64::from(slices) * bodies as u64 > FEW_BOXES as u64;
+        let is_shared = threads > 1 && has_many && !is_together;
         let fewest = if is_shared {
             Self::FEWEST.saturating_mul(threads)
         } else {

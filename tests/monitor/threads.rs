@@ -138,3 +138,56 @@ fn threads_that_share_states_make_no_difference() {
         assert!(tracked(threads) == one, "{threads} threads");
     }
 }
+
+/// So many that threads share the bodies of a slice.
+const REPLANNED: usize = 5_000;
+
+/// Returns what is reported where all bodies get other plans before each tick, some of which end within the lookahead;
+/// and the number of conflicts.
+fn replanned(threads: usize) -> (Vec<u64>, usize) {
+    const LOOKAHEAD: f64 = 5.0;
+    let mut rng = rng(51);
+    let mut plan = |now: f64, place: Option<DVec3>| {
+        let segments = [3, 9][usize::from(rng.random_bool(0.7))];
+        let mut states = wander(&mut rng, now, segments, 1.2, 300.0, 4.0);
+        // It begins where the body is.
+        let way = place.map_or(DVec3::ZERO, |place| place - states[0].position);
+        states.iter_mut().for_each(|state| state.position += way);
+        Trajectory::from_states(&states).unwrap()
+    };
+    let mut scene = Scene::new();
+    let ids: Vec<BodyId> = (0..REPLANNED)
+        .map(|_| scene.insert(Body::new(plan(0.0, None))).unwrap())
+        .collect();
+    on_threads(threads, || {
+        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap();
+        let mut monitor = with_every_change(monitor);
+        let (mut reported, mut conflicts, mut news) = (Vec::new(), 0, Vec::new());
+        for _ in 0..4 {
+            let now = monitor.now();
+            let replan = |&id: &BodyId| {
+                let place = monitor.scene().body(id).unwrap().trajectory.position(now);
+                Command::Replan(id, now, plan(now, place).into())
+            };
+            let commands: Vec<Command> = ids.iter().map(replan).collect();
+            monitor.apply(commands).unwrap();
+            news.clear();
+            monitor.advance(now + 0.1, &mut news).unwrap();
+            let found = monitor.conflicts(0).unwrap();
+            conflicts += found.len();
+            reported.push(hash_of(&(format!("{news:?}"), bits(found))));
+        }
+        is_as_screened(&monitor, LEVELS[0]);
+        (reported, conflicts)
+    })
+}
+
+#[test]
+fn threads_that_share_plans_make_no_difference() {
+    let one = replanned(1);
+    println!("{} conflicts", one.1);
+    assert!(one.1 > 1_000);
+    for threads in [2, 3] {
+        assert!(replanned(threads) == one, "{threads} threads");
+    }
+}
