@@ -119,7 +119,7 @@ pub struct Scene {
     free: Vec<u32>,
     ignored: IgnoredPairs,
     len: usize,
-    /// What is counted of all bodies: tells which of them can be part of a pair.
+    /// Counts of all bodies, which tell those of them that can be part of a pair.
     kinds: Kinds,
     /// Memory of the bodies' compact trajectories.
     arena: CubicArena,
