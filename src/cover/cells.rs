@@ -9,7 +9,7 @@ use glam::DVec3;
 const OUTWARD: f64 = 1e-11;
 
 /// Balls whose centres are nearer than this answer for the whole share of both.
-const ONE_PLACE: f64 = 1e-6;
+const ONE_PLACE: f64 = 1e-7;
 
 /// Buffers for one cell.
 #[derive(Clone, Debug, Default)]

@@ -25,7 +25,7 @@ pub enum Coverage {
         /// its distance from the origin of its frame.
         point: DVec3,
     },
-    /// Neither is proven. If the spheres were larger by 3e-6 of the shape's diameter (by 3e-6 m, for
+    /// Neither is proven. If the spheres were larger by 1e-6 of the shape's diameter (by 1e-6 m, for
     /// a shape that is a point), they would contain it. There are exceptions:
     ///
     /// - Meshes with gaps, where planes between spheres agree to rounding.

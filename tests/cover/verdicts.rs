@@ -113,17 +113,34 @@ fn tight_spheres() {
 #[test]
 fn spheres_nearly_at_one_place() {
     let rod = Cuboid::new(Vector::new(0.5, 1e-7, 1e-7));
-    for gap in [1.2e-6, 1.5e-6, 1.9e-6] {
-        let left = DVec3::X * (-gap / 2.0 - 1e-8);
+    let gaps = [1.2e-6, 1.5e-6, 1.9e-6];
+    for (gap, scale) in gaps.iter().flat_map(|gap| [(gap, 1.0), (gap, 0.1)]) {
+        let gap = gap * scale;
+        let left = DVec3::X * (-gap / 2.0 - 1e-8 * scale);
         let spheres = [
-            sphere(left, 0.5 - gap / 2.0 + 1e-7),
-            sphere(left + DVec3::X * 0.99e-6, 0.5 - gap / 2.0 - 0.88e-6),
+            sphere(left, 0.5 - gap / 2.0 + 1e-7 * scale),
+            sphere(
+                left + DVec3::X * 0.99e-6 * scale,
+                0.5 - gap / 2.0 - 0.88e-6 * scale,
+            ),
         ];
         let verdict = verify_cover(&spheres, &rod).unwrap();
         let Coverage::Uncovered { point } = verdict else {
             panic!("{gap}: {verdict:?}");
         };
         assert!(point.x > 0.499 && !is_in(point, &spheres), "{gap}: {point}");
+    }
+}
+
+/// Two spheres that are needed both, as near to each other as may be told apart: nothing is in doubt.
+#[test]
+fn spheres_near_each_other_cover() {
+    let rod = Cuboid::new(Vector::new(0.5, 1e-7, 1e-7));
+    for apart in [2e-7, 5e-7, 9e-7, 1e-5] {
+        // Each reaches the end on its side, and not the other end.
+        let radius = 0.5 - apart / 4.0;
+        let spheres = [-0.5, 0.5].map(|side| sphere(DVec3::X * apart * side, radius));
+        assert_eq!(verify_cover(&spheres, &rod).unwrap(), Coverage::Covered);
     }
 }
 
