@@ -28,9 +28,9 @@
 //!    body with which a body may be a pair; bodies with the same layers are of one *kind*.
 //! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. The frame of
 //!    one body's cubics is its *anchor*; a *source* is the cubics with their *placement* in the frame. A box
-//!    exceeds the hull of a motion by its *padding*: hitbox, half the margin, and the clearance. A *fat line*
+//!    exceeds the hull of a motion by its *padding*, hitbox and half the margin, and by rounding. A *fat line*
 //!    is a closer bound, a line with a radius. Rounding is relative to coordinates and to the *spread*, which is
-//!    at least half the distance between any two points of a cubic; each *split* of a cubic adds to it. A *run*
+//!    at least half the distance between any two points of a cubic; each *split* of a cubic adds rounding. A *run*
 //!    is four consecutive cubics, or four smaller runs, bounded at once.
 //! 5. `broad_phase`: two bodies whose boxes meet in a time slice are a *candidate*. A *filter* of pairs
 //!    admits or refuses by layers and ignored pairs. Bodies are in *groups* by their layers: only groups that may form

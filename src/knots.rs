@@ -162,7 +162,7 @@ impl<'a> Knots<'a> {
         self.plan.map_or(&[], Trajectory::straight_motions)
     }
 
-    /// Returns the origin of an extension's cubics, m, or `None` without extension.
+    /// Returns the origin of an extension's cubics, m, or `None` if all cubics are listed.
     pub(crate) fn origin(&self) -> Option<DVec3> {
         self.plan.map(|plan| plan.segment_after().origin())
     }

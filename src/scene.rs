@@ -70,8 +70,8 @@ use std::slice::from_ref;
 /// | knot, twice | 16 |
 ///
 /// The f32 copies, bounds and copied knots are stored contiguously, in large pages if the system
-/// has them. Freed storage is not reused at once. When more is free than in use (and more than 1
-/// MiB), live data is moved to new memory and the rest is returned to the system. A monitor's
+/// has them. Freed storage is not reused at once. When more is free than in use, by more than 1
+/// MiB, live data is moved to new memory and the rest is returned to the system. A monitor's
 /// replans copy nothing. Apart from those, at most five times the bodies' need and 3 MiB are
 /// written at any time. The last allocation has an unwritten end, as large as the data in use, up
 /// to 32 MiB. An empty scene holds none. Slots of 192 bytes, for the largest number of bodies so

@@ -15,8 +15,8 @@ pub(crate) struct FatLine {
 }
 
 impl FatLine {
-    /// Returns true of a body that teleports in the slice: it strays far from its line, for an instant. So do
-    /// bodies that are large next to the way they go.
+    /// Returns true if the radius is large next to the change of position. So it is of a body that teleports in the
+    /// slice, far from its line for an instant, and of bodies that are large next to the way they go.
     #[inline]
     pub(crate) fn may_teleport(&self) -> bool {
         let way = self

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec4};
 /// The transform from a body's cubics to the frame, and the padding of its boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FramePlacement {
-    /// The frame of the cubics.
+    /// The origin of the cubics, in the frame's unit.
     pub(super) anchor: Frame,
     /// Ratio of the cubics' unit to the frame's.
     pub(super) factor: f32,

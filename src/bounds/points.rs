@@ -10,7 +10,7 @@ pub(super) struct PaddedPoints {
     pub(super) points: [DVec3; 4],
     /// Largest distance of a point from the first one, m.
     pub(super) extent: f64,
-    /// Error of the points and the solver's rounding, m: a quarter of the padding for both.
+    /// Error of the points and the solver's rounding, m: a quarter of what a box adds for both.
     pub(super) error: f64,
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct CubicSource<'a, C> {
 }
 
 impl<'a, C: BoundingCubic> CubicSource<'a, C> {
-    /// Returns a whole cubic, of an extended motion or of one without extension.
+    /// Returns a whole cubic, listed or beyond the list.
     #[inline(always)]
     pub(crate) fn sub_cubic<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
         if EXTENDED {

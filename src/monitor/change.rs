@@ -290,7 +290,7 @@ impl Monitor {
         ids
     }
 
-    /// Applies a batch. Cannot fail: the scene has room, and all ids were found.
+    /// Applies a batch that was checked: the scene has room, and all ids were found, so no step fails.
     fn take_over(&mut self, batch: &mut CommandBatch) -> Result<Vec<BodyId>, Error> {
         // Of bodies, some of which may be removed below.
         for &(a, b, rule) in &batch.pairs {

@@ -60,7 +60,8 @@ pub struct Encounter {
     /// [`Monitor::new`](crate::Monitor::new).
     pub level: usize,
     /// First instant within the level's margin, s. If the bodies were within the margin when first
-    /// examined: the clock of the tick before, or of [`Monitor::new`](crate::Monitor::new).
+    /// examined: the instant up to which the tick before reported (its clock, unless a budget ran out), or the
+    /// clock of [`Monitor::new`](crate::Monitor::new).
     pub enter: f64,
     /// Last instant within the level's release margin, s; while `open`, the end of the examined
     /// time.

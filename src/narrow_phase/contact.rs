@@ -147,7 +147,8 @@ pub(crate) fn contacts(
     let margin = widened(margin, a.model_error_with(b));
     let first = found.len();
     for span in spans {
-        // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass.
+        // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass, or one
+        // of hulls that is as strict.
         if let Some(pair) = lone_pair(a, b, span) {
             solved_contacts(&pair, span, margin, (window, NEVER), found);
         } else {

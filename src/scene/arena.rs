@@ -106,7 +106,7 @@ impl CubicArena {
         &mut self.chunks[range.chunk].cache_lines_mut()[range.first..][..range.cache_lines]
     }
 
-    /// Returns true if more cache lines were freed than are in use, and more than 1 MiB.
+    /// Returns true if the freed cache lines exceed those in use by more than 1 MiB.
     pub(crate) const fn is_mostly_garbage(&self) -> bool {
         self.garbage > self.live + Self::FEW
     }

@@ -13,7 +13,7 @@ pub(crate) struct MotionSummary {
     pub(crate) extremes: DAabb,
     /// Largest error of a piece's points, m.
     error: f64,
-    /// Sum of the segments' extents, m: a bound on the length of the path.
+    /// Sum of the segments' extents, m: an estimate of the length of the path.
     pub(crate) path: f64,
     /// Header of the compact trajectory, the copy in f32; its cache lines are stored separately.
     pub(crate) compact: CompactTrajectory,

@@ -41,7 +41,7 @@ pub(super) struct PreparedScene<'a> {
     extensions: Vec<(usize, Extension)>,
     /// Window of the answer.
     pub(super) asked: Window,
-    /// The window of the answer with open ends closed where no body exists beyond them.
+    /// The part of it in which any body exists that may be part of a pair of boxes.
     pub(super) window: Window,
     pub(super) margin: f64,
     pub(super) accuracy: Accuracy,

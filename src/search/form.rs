@@ -182,7 +182,7 @@ pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,
     pub(crate) sources: &'a [CubicSource<'a, C>],
-    /// Places of bodies, ascending: includes each body that exists in one of the slices.
+    /// Numbers of bodies, ascending: includes each body that exists in one of the slices.
     pub(crate) present: &'a [u32],
     /// Ends of the slices, s: one more than there are slices.
     pub(crate) ends: &'a [f64],

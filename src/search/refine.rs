@@ -31,7 +31,7 @@ impl<B> RefineContext<'_, B> {
     /// Returns true if a span that may hold a contact goes to the solver without another test.
     ///
     /// Most such spans hold a contact. Where one does not, the solver finds that sooner than
-    /// another test. A span cut by the window is always tested: the solver could take motion beyond the
+    /// another test. A span that reaches beyond the window is always tested: the solver could take motion beyond the
     /// window for a contact of no duration, and the result would then depend on other bodies.
     fn solves_at_once(&self, span: Span) -> bool {
         span.start >= self.window.start() && span.end <= self.window.end()

@@ -16,7 +16,7 @@ pub(crate) struct SearchScratch {
     /// Lifetimes of a monitor's bodies.
     pub(crate) lifetimes: Lifetimes,
     pub(crate) methods: Methods,
-    /// Places of the bodies that exist in the block.
+    /// Numbers of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,
     pub(crate) candidates: Vec<Candidate>,

@@ -17,13 +17,13 @@ pub(crate) struct TimeSlices<'p> {
 pub(crate) struct SceneStatistics {
     /// Lifetimes within the window, s, summed over bodies.
     pub(crate) body_time: f64,
-    /// Distance travelled in them, m.
+    /// Estimate of the distance travelled in them, m.
     pub(crate) path: f64,
     /// Segments followed in them.
     pub(crate) segments: f64,
     /// Extent of the world on each axis, m.
     pub(crate) world: [f64; 3],
-    /// Typical relevant separation, hitboxes and margin, m.
+    /// The margin, at least 0, m.
     pub(crate) separation: f64,
 }
 

@@ -142,7 +142,8 @@ impl RecentMotions {
         past.count().saturating_sub(1).min(self.pieces() - 1)
     }
 
-    /// Drops the first pieces, and lets the new motion follow the others from an instant (s) on.
+    /// Drops the first pieces, lets the new motion follow the others from an instant (s) on, and adds the pieces
+    /// beyond its knot.
     #[inline]
     fn fill(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
         let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
