@@ -1,4 +1,4 @@
-//! Bodies that cannot be part of any pair: no boxes are formed for them.
+//! Bodies that cannot be part of any pair of boxes: none are formed for them.
 //!
 //! A partner of a body is another body with which it may be a pair, by the layers of both. Bodies with the same layers
 //! are of one kind, and have partners or not together.
@@ -103,7 +103,7 @@ impl Kinds {
     }
 }
 
-/// A test whether a body may be part of any pair with a margin.
+/// A test whether a body may be part of any pair of boxes with a margin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Partners<'s> {
     kinds: &'s Kinds,

@@ -51,7 +51,7 @@ impl SceneSurvey {
         }
     }
 
-    /// Includes a body and its pieces beyond the knots in the window, if it has a partner.
+    /// Counts the body's cubics; includes the body and its pieces beyond the knots in the window if it has a partner.
     #[inline]
     pub(super) fn include(
         &mut self,

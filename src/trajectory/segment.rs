@@ -31,7 +31,7 @@ use glam::DVec3;
 pub struct Segment {
     start: f64,
     end: f64,
-    /// Position at `start`, m: the user's own number.
+    /// Position at `start`, m: the user's own number if states were given.
     origin: DVec3,
     /// Bézier control points 1, 2, 3 relative to `origin` (point 0 is zero), m. In [power
     /// form](Self::is_power_form): coefficients of x, x², x³, with x the time since `start` in thirds
