@@ -1,8 +1,8 @@
 //! Boxes: the Bézier hull of a motion in a time slice, rounded outward to a parry3d `Aabb` (f32).
 //!
 //! A box contains every position from which the exact solver would report a contact, including the
-//! solver's own rounding. Its padding is the hitbox and half the margin. Rounding is added,
-//! more than the clearance of all rejections (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
+//! solver's own rounding. Its padding is the hitbox and half the margin. Rounding is added, more than the clearance of
+//! all rejections (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
 //!
 //! From a trajectory to a box, all in f32: the cubics of a [`CompactTrajectory`] (or its segments,
 //! if few boxes are needed) are split at the ends of slices into [`SubCubic`]s. A [`BoundsBuilder`]

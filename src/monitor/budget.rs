@@ -29,8 +29,10 @@ pub enum Budget {
     /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
     /// second one.
     ///
-    /// The changes of each tick must fit in. With half of what unlimited ticks take, less is known
-    /// ahead; with a fifth, nothing may be, until fewer plans change.
+    /// The changes of each tick must fit in. Where few plans change, half of what unlimited ticks take lets less be
+    /// known ahead. Where all bodies are told each tick, give clearly more than an unlimited tick takes. With less
+    /// [`complete_until`](crate::Monitor::complete_until) may stand still until fewer plans change or a tick has more
+    /// time. Meanwhile the monitor keeps all told motions, so that memory and the time of each change grow.
     Time(Duration),
     /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
     /// machine and in every run. With 0 a monitor never catches up, however many ticks it makes.

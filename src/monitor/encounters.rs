@@ -1,8 +1,8 @@
 //! The state machine of encounters: from planned encounters, tick by tick, to events.
 //!
 //! Its input, for each alert level, is the planned encounters of pairs that may have changed, in the
-//! window from the instant up to which the last tick reported to the end of the known time. [`Encounter`] says how old and new
-//! ones are matched.
+//! window from the instant up to which the last tick reported to the end of the known time. [`Encounter`] says how old
+//! and new ones are matched.
 
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::revision_threshold::RevisionThreshold;
