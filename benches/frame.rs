@@ -7,6 +7,9 @@
 //! - `frame/update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
 //! - `frame/told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
 //!   included;
+//! - `frame/told_walls/10k`, one thread: as `told`, within six half-spaces, and with a second alert level of 0 m;
+//! - `frame/told_walls_half/10k`, one thread: the same with a budget for each tick: half of what the median of 41 ticks
+//!   took before. The table says how much of the 2 s is known;
 //! - `frame/rapier/10k`, one thread: kinematic bodies with balls of 0.5 m as sensors in rapier's collision pipeline. It finds
 //!   those that overlap now, and looks at nothing ahead;
 //! - `frame/shots/5k`, `frame/shots_without_layers/5k`, one thread: as `told`, of 98 ships in 80^3 m each, with 50 shots
@@ -121,6 +124,8 @@ fn main() {
     for (bodies, threads) in [(1_000, 1), (10_000, 1), (100_000, 2)] {
         run.measure(("told", bodies), threads, Told::new);
     }
+    run.measure(("told_walls", 10_000), 1, Told::within_walls);
+    run.measure(("told_walls_half", 10_000), 1, Told::with_half_the_time);
     run.measure(("rapier", 10_000), 1, overlaps::Overlaps::new);
     run.measure(("shots", 5_000), 1, Told::shots);
     run.measure(

@@ -2,7 +2,7 @@
 
 use super::shots::Shots;
 use super::world::{MARGIN, MovingBodies, World};
-use nearmiss::{AlertLevel, Event, Monitor, Query, Scene, Window};
+use nearmiss::{AlertLevel, Budget, Event, Monitor, Query, Scene, Window};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -65,32 +65,53 @@ impl Game for UpdateScreen {
 pub(crate) struct Told<W> {
     world: W,
     monitor: Monitor,
+    budget: Budget,
     events: Vec<Event>,
 }
 
 impl Told<World> {
     pub(crate) fn new(bodies: u32) -> Self {
-        Self::of(World::new(bodies), MARGIN)
+        Self::of(World::new(bodies), &[MARGIN])
+    }
+
+    /// Returns a game within walls, with two alert levels.
+    pub(crate) fn within_walls(bodies: u32) -> Self {
+        Self::of(World::with_walls(bodies), &[0.0, MARGIN])
+    }
+
+    /// Returns a game within walls with half of the time for a tick that a tick takes without a budget.
+    pub(crate) fn with_half_the_time(bodies: u32) -> Self {
+        const FRAMES: usize = 41;
+        let mut game = Self::within_walls(bodies);
+        let mut times = Vec::new();
+        for _ in 0..FRAMES {
+            game.frame();
+            times.push(game.monitor.stats().total_time);
+        }
+        times.sort_unstable();
+        game.budget = Budget::Time(times[FRAMES / 2] / 2);
+        game
     }
 }
 
 impl Told<Shots> {
     /// Returns ships whose shots ignore each other.
     pub(crate) fn shots(bodies: u32) -> Self {
-        Self::of(Shots::new(bodies, true), 0.0)
+        Self::of(Shots::new(bodies, true), &[0.0])
     }
 
     /// Returns ships whose shots may meet each other.
     pub(crate) fn shots_without_layers(bodies: u32) -> Self {
-        Self::of(Shots::new(bodies, false), 0.0)
+        Self::of(Shots::new(bodies, false), &[0.0])
     }
 }
 
 impl<W: MovingBodies> Told<W> {
     /// Returns a game whose lookahead is known.
-    fn of((world, scene): (W, Scene), margin: f64) -> Self {
+    fn of((world, scene): (W, Scene), margins: &[f64]) -> Self {
         let mut events = Vec::new();
-        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[AlertLevel::at(margin)]);
+        let levels: Vec<AlertLevel> = margins.iter().copied().map(AlertLevel::at).collect();
+        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels);
         let monitor = monitor.and_then(|mut monitor| {
             monitor.advance(0.0, &mut events)?;
             Ok(monitor)
@@ -98,6 +119,7 @@ impl<W: MovingBodies> Told<W> {
         Self {
             world,
             monitor: monitor.unwrap_or_else(|error| panic!("{error}")),
+            budget: Budget::Unlimited,
             events,
         }
     }
@@ -110,7 +132,8 @@ impl<W: MovingBodies> Game for Told<W> {
         self.events.clear();
         let begin = Instant::now();
         let tracked = self.monitor.track(now, self.world.states().iter().copied());
-        let advanced = tracked.and_then(|()| self.monitor.advance(now, &mut self.events));
+        let (monitor, events) = (&mut self.monitor, &mut self.events);
+        let advanced = tracked.and_then(|()| monitor.advance_within(now, self.budget, events));
         black_box(&self.events);
         let time = begin.elapsed();
         advanced.unwrap_or_else(|error| panic!("{error}"));
@@ -118,10 +141,14 @@ impl<W: MovingBodies> Game for Told<W> {
     }
 
     fn counts(&self) -> [(u64, &'static str); 2] {
-        let candidates = self.monitor.stats().candidates;
-        [
-            (candidates, "candidates"),
-            (self.events.len() as u64, "events"),
-        ]
+        let found = if self.budget == Budget::Unlimited {
+            (self.monitor.stats().candidates, "candidates")
+        } else {
+            let known = self.monitor.complete_until() - self.monitor.now();
+            let known = Duration::try_from_secs_f64(known).unwrap_or_default();
+            let known = u64::try_from(known.as_millis()).unwrap_or(u64::MAX);
+            (known, "ms known")
+        };
+        [found, (self.events.len() as u64, "events")]
     }
 }

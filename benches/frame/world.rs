@@ -67,6 +67,19 @@ impl World {
         };
         (world, scene)
     }
+
+    /// Returns `count` bodies as those of [`new`](Self::new), and walls on all six sides of their cube.
+    pub(crate) fn with_walls(count: u32) -> (Self, Scene) {
+        let (world, mut scene) = Self::new(count);
+        let mut insert = |normal: DVec3| {
+            let wall = Body::new(Trajectory::at_rest(-world.half * normal)?);
+            scene.insert(wall.with_hitbox(Hitbox::half_space(normal)?))
+        };
+        for normal in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+            insert(normal).unwrap_or_else(|error| panic!("a wall is refused: {error}"));
+        }
+        (world, scene)
+    }
 }
 
 impl MovingBodies for World {

@@ -23,19 +23,20 @@ pub enum Budget {
     ///   many times in the lookahead.
     /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
     ///   searched in parts.
-    /// - A search of the whole lookahead, where most bodies change in each tick. It takes few slices, often one. It
-    ///   is done only if the tick before had time for all of these, or all but one.
+    /// - A search that cannot be left to the next tick: where more than three quarters of the bodies change in each
+    ///   tick, or the known time has long fallen behind the clock while bodies change. Then the tick searches as much of
+    ///   the lookahead as earlier ticks had time for, and a 16th at least, whatever time that takes.
     ///
     /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
     /// second one.
     ///
-    /// The changes of each tick must fit in. Where few plans change, half of what unlimited ticks take lets less be
-    /// known ahead. Where all bodies are told each tick, give clearly more than an unlimited tick takes. With less
-    /// [`complete_until`](crate::Monitor::complete_until) may stand still until fewer plans change or a tick has more
-    /// time. Meanwhile the monitor keeps all told motions, so that memory and the time of each change grow.
+    /// So [`complete_until`](crate::Monitor::complete_until) goes on with the clock: with too little time less is known
+    /// ahead. Where most bodies change in each tick it stays beyond the clock. Where some change, it may stay behind the
+    /// clock for 32 ticks, and then no longer.
     Time(Duration),
     /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
-    /// machine and in every run. With 0 a monitor never catches up, however many ticks it makes.
+    /// machine and in every run. A tick exceeds it as it does a time where bodies change. With 0 a monitor whose bodies do
+    /// not change never catches up, however many ticks it makes.
     Work(u64),
 }
 
@@ -49,26 +50,30 @@ pub(super) struct TickWork<'s> {
 /// The work done in a tick, and its limit.
 #[derive(Debug)]
 pub(super) struct BudgetMeter {
-    deadline: Option<Instant>,
+    /// Begin of the tick, and the time that it may take.
+    time: Option<(Instant, Duration)>,
     /// Largest work.
     limit: Option<u64>,
     /// Prescribed end of the known time, s.
     until: Option<f64>,
     done: u64,
+    /// True if the tick is to finish its search even if that exceeds the limit.
+    has_to_finish: bool,
 }
 
 impl BudgetMeter {
     pub(super) fn start(budget: Budget) -> Self {
-        let (deadline, limit) = match budget {
+        let (time, limit) = match budget {
             Budget::Unlimited => (None, None),
-            Budget::Time(time) => (Instant::now().checked_add(time), None),
+            Budget::Time(time) => (Some((Instant::now(), time)), None),
             Budget::Work(work) => (None, Some(work)),
         };
         Self {
-            deadline,
+            time,
             limit,
             until: None,
             done: 0,
+            has_to_finish: false,
         }
     }
 
@@ -92,7 +97,41 @@ impl BudgetMeter {
     }
 
     pub(super) fn is_unlimited(&self) -> bool {
-        self.deadline.is_none() && self.limit.is_none() && self.until.is_none()
+        !self.has_limit() && self.until.is_none()
+    }
+
+    /// Returns true if the tick may leave a part of its search to the next one.
+    pub(super) const fn may_stop(&self) -> bool {
+        (self.has_limit() || self.until.is_some()) && !self.has_to_finish
+    }
+
+    /// Returns true if there is a largest time or work.
+    pub(super) const fn has_limit(&self) -> bool {
+        self.time.is_some() || self.limit.is_some()
+    }
+
+    /// Lets the tick finish its search even if that exceeds the limit.
+    pub(super) const fn let_finish(&mut self) {
+        self.has_to_finish = true;
+    }
+
+    pub(super) const fn has_to_finish(&self) -> bool {
+        self.has_to_finish
+    }
+
+    /// Returns how much of the budget is used: 1 is all of it. Without a limit it is 0.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "it steers how far ahead the next tick searches"
+    )]
+    pub(super) fn used(&self) -> f64 {
+        let of_time = |(begin, time): (Instant, Duration)| {
+            begin.elapsed().as_secs_f64() / time.as_secs_f64().max(f64::MIN_POSITIVE)
+        };
+        let of_work = |limit: u64| self.done as f64 / limit.max(1) as f64;
+        (self.time.map(of_time))
+            .or_else(|| self.limit.map(of_work))
+            .unwrap_or(0.0)
     }
 
     /// Returns the number of threads that may share the searches of the tick.
@@ -109,8 +148,11 @@ impl BudgetMeter {
     }
 
     pub(super) fn is_spent(&self) -> bool {
+        if self.has_to_finish {
+            return false;
+        }
         // However little time there is, something is done: else nothing ever would be.
-        let is_late = |end| self.done > 0 && Instant::now() >= end;
-        self.limit.is_some_and(|limit| self.done >= limit) || self.deadline.is_some_and(is_late)
+        let is_late = |(begin, time): (Instant, Duration)| self.done > 0 && begin.elapsed() >= time;
+        self.limit.is_some_and(|limit| self.done >= limit) || self.time.is_some_and(is_late)
     }
 }

@@ -12,6 +12,7 @@
 //! the lookahead is, and slices have no boxes until few bodies change. A slice in which too many boxes overlap is, in
 //! shorter slices.
 
+mod affordable;
 mod ahead;
 mod ask;
 mod from_nothing;
@@ -41,6 +42,7 @@ use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
+use affordable::AffordableLookahead;
 use ahead::due_ahead;
 use std::collections::VecDeque;
 use std::iter::once;
@@ -80,8 +82,7 @@ pub(super) struct LookaheadSearch {
     last_end: f64,
     /// True if most was unknown at the last catching up.
     was_unknown: bool,
-    /// Number of slices that the last catching up had time for.
-    affordable: f64,
+    pub(super) affordable: AffordableLookahead,
     /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
 }
@@ -112,7 +113,7 @@ impl LookaheadSearch {
             partners: None,
             last_end: grid.origin,
             was_unknown: false,
-            affordable: 0.0,
+            affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }
     }
@@ -226,18 +227,23 @@ impl LookaheadSearch {
         self.monitored.extend_beyond(scene, end)
     }
 
-    /// Brings the slices from `from` to `to` (s) up to date, soonest first, until the budget is spent. Returns the
-    /// instant up to which everything is known.
+    /// Brings the slices from `from` on up to date, soonest first, until the budget is spent: as far as a lookahead goes
+    /// (first and last instant, s), or less if the budget asks for it. Returns the instant up to which everything is known.
     ///
     /// # Errors
     ///
     /// If there is too little room. Then what is known is not complete: all is to be looked for anew.
     pub(super) fn catch_up(
         &mut self,
-        (from, to): (f64, f64),
+        from: f64,
+        lookahead: (f64, f64),
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
+        let changed = (self.changed.slots().len(), self.monitored.len());
+        let affordable = &mut self.affordable;
+        let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
+        let present = self.start(self.index(lookahead.0));
         self.spread_changes();
         self.half_spaces.note(&self.monitored, self.changed.slots());
         loop {
@@ -252,7 +258,7 @@ impl LookaheadSearch {
                 known = self.half_spaces.list_spans(&bodies, times, work, found)?;
                 work.stats.narrow_time += begin.elapsed();
             }
-            let (compared_until, is_done) = self.search_slices((from, to), work)?;
+            let (compared_until, is_done) = self.search_slices((from, present, to), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -274,15 +280,14 @@ impl LookaheadSearch {
         BodyTable::of(scene, &self.monitored, &self.grid)
     }
 
-    /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. Lists survivors, as
-    /// many as are solved at a time. Returns the instant up to which all is up to date, and false if another call is to
-    /// go on once these survivors are solved.
+    /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `present` is the
+    /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
+    /// which all is up to date, and false if another call is to go on once these survivors are solved.
     fn search_slices(
         &mut self,
-        (mut from, to): (f64, f64),
+        (mut from, present, to): (f64, f64, f64),
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let present = self.start(self.index(to - self.grid.slice_count * self.grid.length));
         let jump = (self.laid_until(from), present);
         if self.jump.is_needed(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
@@ -294,7 +299,7 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if self.is_unknown_again(needed) && self.may_screen((from, to), &work.meter) {
+        if self.is_unknown_again(needed) && !work.meter.may_stop() {
             self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
                 self.last_end = to;
@@ -335,7 +340,6 @@ impl LookaheadSearch {
             self.refresh_one_by_one(from, needed, work)
         };
         let first = self.slices[0].number;
-        self.affordable = stop.map_or(needed as f64, |number| (number - first) as f64);
         let known = stop.map_or(to, |number| {
             let place = usize::try_from(number - first).unwrap_or_default();
             let until = self.slices[place].compared_until().max(from);

@@ -136,12 +136,12 @@ impl Monitor {
         let (known, ()) = parallel::join(
             self.batch.changed.len(),
             CommandBatch::FEW,
-            || self.search.catch_up((self.reported, end), &mut work),
+            || self.search.catch_up(self.reported, (now, end), &mut work),
             || self.batch.clear(),
         );
-        let TickWork { mut stats, .. } = work;
-        #[cfg(feature = "recording")]
-        let work = work.meter.done();
+        let TickWork {
+            mut stats, meter, ..
+        } = work;
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.forget_search()?;
@@ -154,6 +154,7 @@ impl Monitor {
         let first = events.len();
         self.read((now, known), &mut next_id, events);
         (self.now, self.reported, self.known) = (now, now.min(known), known);
+        self.search.affordable.note(&meter, (now, end), known);
         self.next_id = next_id;
         events.append(&mut self.pending_events);
         self.report_plan_ends(end, events);
@@ -163,7 +164,10 @@ impl Monitor {
         stats.total_time = begin.elapsed();
         self.stats = stats;
         #[cfg(feature = "recording")]
-        self.write_down(|| Record::Tick { now, known, work });
+        {
+            let work = meter.done();
+            self.write_down(|| Record::Tick { now, known, work });
+        }
         Ok(())
     }
 

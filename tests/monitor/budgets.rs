@@ -89,7 +89,7 @@ impl World {
 
 /// When encounters began, and ended and how: level, bodies, rounded instants and separation. (The
 /// nearest so far is seen at other instants: its last bits differ.)
-fn lived(events: &[Event]) -> Vec<(usize, u32, u32, i64, i64, String)> {
+pub(super) fn lived(events: &[Event]) -> Vec<(usize, u32, u32, i64, i64, String)> {
     #[allow(clippy::cast_possible_truncation, reason = "up to 1e15")]
     let rounded = |value: f64| (value * 1e6).round() as i64;
     let mut lived: Vec<_> = events
@@ -292,59 +292,4 @@ fn nothing_is_missing_that_begins_where_a_budget_ends() {
     let query = Query::new(Window::new(NOW, cut).unwrap());
     let found = scene.screen(&query.with_margin(1.0)).unwrap();
     assert_eq!(found.conflicts.len(), 1, "it is reported at the cut");
-}
-
-/// Where all bodies are told in each tick, ticks with a budget search the lookahead from nothing, as ticks without
-/// one do: it takes one slice, and a tick may exceed its budget by that.
-#[test]
-fn a_monitor_with_a_budget_keeps_up_with_bodies_that_are_told() {
-    const BODIES: u32 = 400;
-    const LEVELS: [AlertLevel; 1] = [LEVEL];
-    let mut rng = rng(7);
-    let mut states: Vec<State> = (0..BODIES)
-        .map(|_| State::new(0.0, vector(&mut rng, 40.0), vector(&mut rng, 3.0)))
-        .collect();
-    let mut scene = Scene::new();
-    let ids: Vec<BodyId> = states
-        .iter()
-        .map(|state| {
-            let body = Body::new(Trajectory::coasting(*state).unwrap());
-            scene.insert(body).unwrap()
-        })
-        .collect();
-    let budgets = [
-        Budget::Unlimited,
-        Budget::Work(u64::MAX),
-        Budget::Work(1),
-        Budget::Work(0),
-    ];
-    let mut monitors = budgets.map(|_| Monitor::new(scene.clone(), 0.0, 2.0, &LEVELS).unwrap());
-    let (mut boxes, mut caught_up) = ([0; 4], [0; 4]);
-    for tick in 1..30 {
-        let now = f64::from(tick) / 30.0;
-        for state in &mut states {
-            state.position += (now - state.time) * state.velocity;
-            state.time = now;
-            if rng.random_bool(0.05) {
-                state.velocity = vector(&mut rng, 3.0);
-            }
-        }
-        for (number, monitor) in monitors.iter_mut().enumerate() {
-            let told = ids.iter().copied().zip(states.iter().copied());
-            monitor.track(now, told).unwrap();
-            monitor
-                .advance_within(now, budgets[number], &mut Vec::new())
-                .unwrap();
-            if monitor.is_caught_up() {
-                is_as_screened(monitor, LEVEL);
-            }
-            if tick > 5 {
-                boxes[number] += monitor.stats().boxes;
-                caught_up[number] += u32::from(monitor.is_caught_up());
-            }
-        }
-    }
-    assert_eq!(caught_up[..3], [24; 3], "{boxes:?}");
-    assert_eq!(boxes[..3], [boxes[0]; 3], "{caught_up:?}");
-    assert_eq!(caught_up[3], 0);
 }

@@ -16,6 +16,7 @@ mod equal_distances;
 mod grid;
 mod instants;
 mod late;
+mod overload;
 mod partners;
 mod questions;
 #[cfg(feature = "recording")]

@@ -2,7 +2,7 @@
 //! time that the clock passed over, and of the whole lookahead. (That of one slice is in `slice/refine.rs`.)
 
 use super::super::bodies::BodyTable;
-use super::super::budget::{BudgetMeter, TickWork};
+use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
@@ -56,17 +56,6 @@ impl LookaheadSearch {
         4 * unknown.sum::<usize>() > 3 * all * needed.count()
     }
 
-    /// Returns true if a lookahead (first and last instant, s) may be searched from nothing. That is done in one piece:
-    /// a budget must have sufficed for as many slices at the tick before, but for one. (Each tick exceeds its
-    /// budget by up to one slice. A search from nothing often has no more, and then nothing else lets the monitor
-    /// catch up with bodies that all change in each tick.)
-    pub(super) fn may_screen(&self, lookahead: (f64, f64), meter: &BudgetMeter) -> bool {
-        let (start, end) = self.window_of(lookahead);
-        let count = ((end - start) / self.grid.search_length).round().max(1.0);
-        let has_time = || !meter.is_spent() && count <= self.affordable + 1.0;
-        meter.is_unlimited() || meter.until().is_none() && has_time()
-    }
-
     /// Returns the window in which a lookahead (first and last instant, s) is searched, within the needed slices. It
     /// reaches just far enough that the last instant is [known](crate::rounding::last_known).
     fn window_of(&self, (from, to): (f64, f64)) -> (f64, f64) {
@@ -103,7 +92,6 @@ impl LookaheadSearch {
             return Ok(());
         }
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
-        self.affordable = if meter.is_spent() { 0.0 } else { f64::INFINITY };
         work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {
             if number >= needed {

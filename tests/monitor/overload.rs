@@ -1,0 +1,161 @@
+//! Bodies that are told again and again, and less time than it takes to search the whole lookahead each time.
+
+use super::budgets::lived;
+use super::is_as_screened;
+use super::support::{rng, vector};
+use glam::DVec3;
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Event, Hitbox, Monitor, Scene, State, Trajectory,
+};
+use rand::rngs::ChaCha8Rng;
+
+const LEVEL: AlertLevel = AlertLevel {
+    margin: 2.0,
+    release: 2.5,
+};
+const LOOKAHEAD: f64 = 2.0;
+/// Half the width of the room that the balls fly in, m.
+const HALF: f64 = 20.0;
+const FRAME: f64 = 1.0 / 30.0;
+
+/// Balls that bounce in a room of six walls.
+struct Balls {
+    ids: Vec<BodyId>,
+    states: Vec<State>,
+}
+
+impl Balls {
+    fn new(rng: &mut ChaCha8Rng, count: usize) -> (Self, Scene) {
+        let mut scene = Scene::new();
+        let states: Vec<State> = (0..count)
+            .map(|_| State::new(0.0, vector(rng, HALF), vector(rng, 6.0)))
+            .collect();
+        let ids = states
+            .iter()
+            .map(|&state| {
+                let body = Body::new(Trajectory::coasting(state).unwrap());
+                let body = body.with_hitbox(Hitbox::sphere(0.5).unwrap());
+                scene.insert(body).unwrap()
+            })
+            .collect();
+        for normal in [DVec3::X, DVec3::Y, DVec3::Z] {
+            for normal in [normal, -normal] {
+                let wall = Body::new(Trajectory::at_rest(-(HALF + 1.0) * normal).unwrap());
+                let wall = wall.with_hitbox(Hitbox::half_space(normal).unwrap());
+                scene.insert(wall).unwrap();
+            }
+        }
+        (Self { ids, states }, scene)
+    }
+
+    /// Moves all balls to an instant (s).
+    fn step(&mut self, now: f64) {
+        for state in &mut self.states {
+            state.position += (now - state.time) * state.velocity;
+            state.time = now;
+            for axis in 0..3 {
+                let height = state.position[axis];
+                if height.abs() > HALF && height * state.velocity[axis] > 0.0 {
+                    state.velocity[axis] *= -1.0;
+                }
+            }
+        }
+    }
+
+    /// Tells a monitor where the balls are that `is_told` returns true for.
+    fn tell(&self, monitor: &mut Monitor, is_told: impl Fn(usize) -> bool) {
+        let told = self.ids.iter().copied().zip(self.states.iter().copied());
+        let told = told.enumerate().filter(|(number, _)| is_told(*number));
+        let now = self.states[0].time;
+        monitor.track(now, told.map(|(_, told)| told)).unwrap();
+    }
+
+    /// Returns the largest number of knots that a monitor keeps of a ball.
+    fn most_knots(&self, monitor: &Monitor) -> usize {
+        let knots = |&id| monitor.scene().body(id).unwrap().trajectory.knots().len();
+        self.ids.iter().map(knots).max().unwrap()
+    }
+}
+
+/// What is known may end sooner, but it is a 16th of the lookahead at least, in each tick: so the same events are told as without a
+/// budget. A budget that suffices makes no difference at all.
+#[test]
+fn all_bodies_are_told_and_each_tick_knows_beyond_the_clock() {
+    let (mut balls, scene) = Balls::new(&mut rng(7), 400);
+    let budgets = [u64::MAX, 2_500, 1, 0].map(Budget::Work);
+    let new = || Monitor::new(scene.clone(), 0.0, LOOKAHEAD, &[LEVEL]).unwrap();
+    let (mut rich, mut expected) = (new(), Vec::new());
+    let mut others = budgets.map(|budget| (budget, new(), Vec::<Event>::new(), Vec::new()));
+    for tick in 0..120 {
+        let now = f64::from(tick) * FRAME;
+        balls.step(now);
+        balls.tell(&mut rich, |_| true);
+        rich.advance(now, &mut expected).unwrap();
+        for (budget, monitor, events, known) in &mut others {
+            balls.tell(monitor, |_| true);
+            let budget = if tick < 2 { Budget::Unlimited } else { *budget };
+            monitor.advance_within(now, budget, events).unwrap();
+            is_as_screened(monitor, LEVEL);
+            assert!(
+                monitor.complete_until() >= now + 0.06 * LOOKAHEAD,
+                "{budget:?} {now}"
+            );
+            assert!(balls.most_knots(monitor) <= 3, "{budget:?} {now}");
+            known.push((monitor.complete_until() - now) / LOOKAHEAD);
+        }
+    }
+    let known = others.each_ref().map(|(.., known)| {
+        let settled = &known[60..];
+        settled.iter().sum::<f64>() / settled.len() as f64
+    });
+    assert!(known[0] > 0.999, "{known:?}");
+    assert!(0.2 < known[1] && known[1] < 0.9, "{known:?}");
+    assert!(
+        known[2..].iter().all(|share| (0.06..0.07).contains(share)),
+        "{known:?}"
+    );
+    rich.close(&mut expected);
+    let expected = lived(&expected);
+    assert!(expected.len() > 500, "{}", expected.len());
+    for (budget, monitor, mut events, _) in others {
+        monitor.close(&mut events);
+        assert_eq!(lived(&events), expected, "{budget:?}");
+    }
+}
+
+/// Half of the bodies are told in each tick, or all in every other one. A monitor that falls behind for long knows
+/// less ahead, too, and is not behind any more.
+#[test]
+fn a_monitor_does_not_stay_behind_the_clock() {
+    let half = |tick: u32, number: usize| number % 2 == tick as usize % 2;
+    let in_turns = |tick: u32, _: usize| tick.is_multiple_of(2);
+    let patterns: [&dyn Fn(u32, usize) -> bool; 2] = [&half, &in_turns];
+    for is_told in patterns {
+        for work in [0, 1, 50] {
+            let (mut balls, scene) = Balls::new(&mut rng(8), 200);
+            let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &[LEVEL]).unwrap();
+            let (mut events, mut late) = (Vec::new(), 0);
+            for tick in 0..200 {
+                let now = f64::from(tick) * FRAME;
+                balls.step(now);
+                balls.tell(&mut monitor, |number| is_told(tick, number));
+                let budget = Budget::Work(work);
+                monitor.advance_within(now, budget, &mut events).unwrap();
+                if monitor.complete_until() > now {
+                    is_as_screened(&monitor, LEVEL);
+                }
+                if tick < 50 {
+                    late += u32::from(monitor.complete_until() < now);
+                } else {
+                    assert!(
+                        monitor.complete_until() >= now - 1.01 * FRAME,
+                        "{work} {now}"
+                    );
+                    assert!(balls.most_knots(&monitor) <= 4, "{work} {now}");
+                }
+            }
+            assert!(late > 20, "{work} {late}");
+            assert!(!events.is_empty(), "{work}");
+        }
+    }
+}
