@@ -26,7 +26,7 @@ pub use body::Body;
 pub(crate) use body::checked_model_error;
 pub use body_plan::{BodyPlan, BodyPlanRef};
 pub(crate) use entry::SceneEntry;
-pub(crate) use heights::PlaneHeights;
+pub(crate) use heights::{PlaneHeights, PositionBox};
 use ignored::IgnoredPairs;
 use partners::Kinds;
 pub(crate) use planned::planned;

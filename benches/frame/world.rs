@@ -68,6 +68,7 @@ impl World {
         (world, scene)
     }
 
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns `count` bodies as those of [`new`](Self::new), and walls on all six sides of their cube.
     pub(crate) fn with_walls(count: u32) -> (Self, Scene) {
         let (world, mut scene) = Self::new(count);

@@ -11,8 +11,8 @@ use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
 use crate::narrow_phase::{BodyView, may_touch};
-use crate::rounding::{exact_interval, last_known};
-use crate::scene::{PairAdmission, PlaneHeights};
+use crate::rounding::{exact_interval, last_known, latest_exact};
+use crate::scene::{PairAdmission, PlaneHeights, PositionBox};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, in_order, spans};
 use std::cell::LazyCell;
@@ -79,8 +79,14 @@ impl HalfSpaceSearch {
         let most = found.len().saturating_add(most);
         let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
-        // needed.
-        let until = to + (to - from);
+        // needed. Where most bodies have changed, they may do so again at the next tick.
+        let have_most_changed = 4 * self.to_compare.len() > 3 * bodies.monitored.len();
+        let until = if have_most_changed {
+            // Just so far that `to` is [known](last_known).
+            latest_exact(horizon).next_up()
+        } else {
+            to + (to - from)
+        };
         for (planes, slots) in [
             (&mut self.all_planes, bodies.monitored.half_spaces()),
             (&mut self.changed_planes, &self.changed),
@@ -171,9 +177,13 @@ impl PlaneSearch<'_> {
         }
         let (bodies, interval) = (self.bodies, (since, self.until));
         let body = LazyCell::new(|| bodies.view(slot));
+        // The heights of the half-spaces are known from that instant on.
+        let positions = (since >= self.since).then(|| PositionBox::of(entry, interval));
+        let positions = positions.flatten();
         for plane in planes {
+            let is_below = |positions| plane.is_below(positions, bodies.grid.margin);
             // As far as it is compared.
-            if since >= self.since && plane.is_below(entry, interval, bodies.grid.margin) {
+            if positions.as_ref().is_some_and(is_below) {
                 next = next.min(self.until);
                 continue;
             }

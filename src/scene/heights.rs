@@ -25,82 +25,102 @@ impl PlaneHeights {
         interval: (f64, f64),
     ) -> Option<Self> {
         let normal = entry.body.hitbox.normal()?;
+        let positions = PositionBox::of((entry, is_extended), interval);
         Some(Self {
             body,
             normal,
             model_error: entry.body.model_error(),
-            heights: height_range(entry, is_extended, interval, normal),
+            heights: positions.map(|positions| positions.heights(normal)),
         })
     }
 
-    /// Returns true if another body is certainly farther than `margin` (m) above the half-space between two instants (s).
+    /// Returns true if another body, with these positions, is certainly farther than `margin` (m) above the half-space
+    /// between the two instants.
     #[inline]
-    pub(crate) fn is_below(
-        &self,
-        (entry, is_extended): (&SceneEntry, bool),
-        interval: (f64, f64),
-        margin: f64,
-    ) -> bool {
+    pub(crate) fn is_below(&self, body: &PositionBox, margin: f64) -> bool {
         self.heights.as_ref().is_some_and(|ground| {
-            let heights = height_range(entry, is_extended, interval, self.normal);
             // The reach contains the model error of the body, not that of the half-space.
-            let reach = entry.body.shape().reach() + self.model_error;
-            heights.is_some_and(|heights| heights.is_above(ground, reach, margin))
+            let reach = body.reach + self.model_error;
+            body.heights(self.normal).is_above(ground, reach, margin)
         })
     }
 }
 
-/// Returns the heights of a body between two instants (s) along a normal, if they are known without its
-/// cubics: it follows straight motions, or its plan alone.
-#[inline]
-fn height_range(
-    entry: &SceneEntry,
-    is_extended: bool,
-    (from, to): (f64, f64),
-    normal: DVec3,
-) -> Option<HeightRange> {
-    let plan = &entry.body.trajectory;
-    let motions = plan.straight_motions();
-    if motions.is_empty() {
-        if is_extended {
-            return None;
-        }
-        let plan = entry.summary().around();
-        let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
-        return Some(HeightRange {
-            low: plan.low.dot(along) + plan.high.dot(across),
-            high: plan.high.dot(along) + plan.low.dot(across),
-            size: plan.low.abs().max(plan.high.abs()).element_sum(),
-        });
-    }
-    let mut all = HeightRange {
-        low: f64::INFINITY,
-        high: f64::NEG_INFINITY,
-        size: 0.0,
-    };
-    let knots = plan.knots();
-    for (number, motion) in motions.iter().enumerate() {
-        // The first one goes back, and the last one on, for ever.
-        let begin = from.max(if number == 0 { from } else { knots[number] });
-        let end = to.min(if number + 1 < motions.len() {
-            knots[number + 1]
-        } else {
-            to
-        });
-        if begin > end {
-            continue;
-        }
-        let size = |vector: DVec3| vector.abs().element_sum();
-        for displacement in [begin, end].map(|time| motion.displacement_to(time)) {
-            let height = (motion.origin() + displacement).dot(normal);
-            // Of what is not finite nothing is known.
-            if !height.is_finite() {
+/// A box around the positions of a body between two instants.
+#[derive(Debug)]
+pub(crate) struct PositionBox {
+    low: DVec3,
+    high: DVec3,
+    /// Magnitude of the coordinates, to which their rounding is relative, m.
+    size: f64,
+    /// How far the body's spheres reach beyond its position, m.
+    reach: f64,
+}
+
+impl PositionBox {
+    /// Returns the box of a body between two instants (s), if it is known without cubics: the body follows straight
+    /// motions, or its plan alone.
+    #[inline]
+    pub(crate) fn of(
+        (entry, is_extended): (&SceneEntry, bool),
+        (from, to): (f64, f64),
+    ) -> Option<Self> {
+        let plan = &entry.body.trajectory;
+        let reach = entry.body.shape().reach();
+        let motions = plan.straight_motions();
+        if motions.is_empty() {
+            if is_extended {
                 return None;
             }
-            all.low = all.low.min(height);
-            all.high = all.high.max(height);
-            all.size = all.size.max(size(motion.origin()) + size(displacement));
+            let plan = entry.summary().around();
+            return Some(Self {
+                low: plan.low,
+                high: plan.high,
+                size: plan.low.abs().max(plan.high.abs()).element_sum(),
+                reach,
+            });
+        }
+        let mut all = Self {
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            size: 0.0,
+            reach,
+        };
+        let knots = plan.knots();
+        for (number, motion) in motions.iter().enumerate() {
+            // The first one goes back, and the last one on, for ever.
+            let begin = from.max(if number == 0 { from } else { knots[number] });
+            let end = to.min(if number + 1 < motions.len() {
+                knots[number + 1]
+            } else {
+                to
+            });
+            if begin > end {
+                continue;
+            }
+            let size = |vector: DVec3| vector.abs().element_sum();
+            for displacement in [begin, end].map(|time| motion.displacement_to(time)) {
+                let position = motion.origin() + displacement;
+                // Of what is not finite nothing is known.
+                if !position.is_finite() {
+                    return None;
+                }
+                all.low = all.low.min(position);
+                all.high = all.high.max(position);
+                all.size = all.size.max(size(motion.origin()) + size(displacement));
+            }
+        }
+        Some(all)
+    }
+
+    /// Returns the heights of the box along a normal.
+    #[inline]
+    fn heights(&self, normal: DVec3) -> HeightRange {
+        let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
+        HeightRange {
+            low: self.low.dot(along) + self.high.dot(across),
+            high: self.high.dot(along) + self.low.dot(across),
+            size: self.size,
         }
     }
-    Some(all)
 }

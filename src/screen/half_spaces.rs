@@ -8,7 +8,7 @@ use crate::broad_phase::PairFilter;
 use crate::count::short;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::parallel;
-use crate::scene::{PlaneHeights, SceneEntry};
+use crate::scene::{PlaneHeights, PositionBox, SceneEntry};
 use crate::search::{Bodies, LimitExceeded};
 use crate::spans::{SpanKey, common_window, in_order, spans};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -42,9 +42,18 @@ impl PreparedScene<'_> {
             |(), chunk| {
                 let (mut near, mut examined) = (Vec::new(), 0);
                 for &body in chunks[chunk] {
+                    let entry = self.entry(body);
+                    if entry.0.body.hitbox.is_half_space() {
+                        continue;
+                    }
+                    let positions = PositionBox::of(entry, self.searched());
                     for plane in &planes {
                         if filter.gives_up() {
                             return Ok((near, examined));
+                        }
+                        let is_below = |positions| plane.0.is_below(positions, self.margin);
+                        if positions.as_ref().is_some_and(is_below) {
+                            continue;
                         }
                         let before = near.len();
                         examined += self.compare_half_space(body, plane, bodies, filter, &mut near);
@@ -75,7 +84,7 @@ impl PreparedScene<'_> {
         })
     }
 
-    /// Lists the spans of the body at a place with a half-space. Returns the number of spans
+    /// Lists the spans of the body at a place, no half-space itself, with a half-space. Returns the number of spans
     /// examined.
     fn compare_half_space(
         &self,
@@ -85,12 +94,8 @@ impl PreparedScene<'_> {
         filter: &dyn PairFilter,
         near: &mut Vec<SpanKey>,
     ) -> u64 {
-        let entry = self.entry(body);
         let (first, second) = (body.min(plane.body), body.max(plane.body));
-        if entry.0.body.hitbox.is_half_space()
-            || plane.is_below(entry, self.searched(), self.margin)
-            || !filter.admits(first, second)
-        {
+        if !filter.admits(first, second) {
             return 0;
         }
         let view = bodies.view(body);
