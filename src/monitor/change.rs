@@ -24,6 +24,9 @@ impl Monitor {
     /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
     /// state is taken to have flown there since. In a frame, insert after the tick at whose clock the body appears.
     ///
+    /// A body that is not to meet the one beside which it appears: [`Command::InsertIgnoring`], or
+    /// [`ignore_pair`](Self::ignore_pair) before the next tick.
+    ///
     /// # Errors
     ///
     /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
@@ -334,9 +337,17 @@ impl Monitor {
             self.register(id, change.monitored.take());
         }
         let inserted = batch.inserted.drain(..);
-        inserted
-            .map(|(body, monitored)| self.put(body, monitored))
-            .collect()
+        let put = |(body, monitored, ignored): (_, _, Vec<BodyId>)| {
+            let id = self.put(body, monitored)?;
+            for other in ignored {
+                // A later command may have removed it.
+                if self.scene.body(other).is_some() {
+                    self.ignore(id, other)?;
+                }
+            }
+            Ok(id)
+        };
+        inserted.map(put).collect()
     }
 
     /// Ignores a pair, from the clock of the last tick on. At the next tick its encounters end with [`EndReason::PlanChanged`], or are

@@ -19,6 +19,9 @@ use crate::trajectory::Trajectory;
 pub enum Command {
     /// Adds a body.
     Insert(Body),
+    /// Adds a body that ignores some others from the beginning, as a shot does the one who fires it: see
+    /// [`Monitor::ignore_pair`](crate::Monitor::ignore_pair).
+    InsertIgnoring(Body, Vec<BodyId>),
     /// Takes a body out.
     Remove(BodyId),
     /// Replaces a trajectory as a whole.
@@ -53,7 +56,8 @@ pub(super) struct CommandBatch {
     pub(super) changed: Vec<PendingChange>,
     /// Index in `changed` of each slot's change, valid if that entry is of this slot.
     place_of: Vec<usize>,
-    pub(super) inserted: Vec<(Body, MonitoredBody)>,
+    /// New bodies, each with those that it ignores.
+    pub(super) inserted: Vec<(Body, MonitoredBody, Vec<BodyId>)>,
     /// Pairs to ignore, or to stop ignoring, in the order of the commands.
     pub(super) pairs: Vec<(BodyId, BodyId, PairRule)>,
 }
@@ -140,9 +144,12 @@ impl CommandBatch {
         let refuse = |error| (number, error);
         let id = match command {
             Command::Insert(body) => {
-                let monitored = context.monitored_body_of(&body).map_err(refuse)?;
-                self.inserted.push((body, monitored));
-                return Ok(());
+                return self
+                    .insert(scene, (body, Vec::new()), context)
+                    .map_err(refuse);
+            }
+            Command::InsertIgnoring(body, ignored) => {
+                return self.insert(scene, (body, ignored), context).map_err(refuse);
             }
             Command::IgnorePair(a, b) => {
                 return self.pair(scene, (a, b), PairRule::Ignored).map_err(refuse);
@@ -164,7 +171,10 @@ impl CommandBatch {
         };
         let change = self.change_of(scene, id, number).map_err(refuse)?;
         match command {
-            Command::Insert(_) | Command::IgnorePair(..) | Command::UnignorePair(..) => {}
+            Command::Insert(_)
+            | Command::InsertIgnoring(..)
+            | Command::IgnorePair(..)
+            | Command::UnignorePair(..) => {}
             Command::Remove(_) => change.is_removed = true,
             Command::SetTrajectory(_, trajectory) => {
                 change.motion_to_splice();
@@ -214,6 +224,32 @@ impl CommandBatch {
         Ok(())
     }
 
+    /// Notes a new body, and those that it ignores.
+    fn insert(
+        &mut self,
+        scene: &Scene,
+        (body, ignored): (Body, Vec<BodyId>),
+        context: &ChangeContext<'_>,
+    ) -> Result<(), Error> {
+        let monitored = context.monitored_body_of(&body)?;
+        for &id in &ignored {
+            self.check_not_removed(id)?;
+            scene.body(id).ok_or(Error::UnknownBody { id })?;
+        }
+        self.inserted.push((body, monitored, ignored));
+        Ok(())
+    }
+
+    /// Checks that no command before has removed a body.
+    fn check_not_removed(&self, id: BodyId) -> Result<(), Error> {
+        let place = self.place_of.get(id.slot as usize);
+        let change = place.and_then(|&place| self.changed.get(place));
+        if change.is_some_and(|change| change.id == id && change.is_removed) {
+            return Err(Error::UnknownBody { id });
+        }
+        Ok(())
+    }
+
     /// Notes the rule for a pair.
     fn pair(
         &mut self,
@@ -222,11 +258,7 @@ impl CommandBatch {
         rule: PairRule,
     ) -> Result<(), Error> {
         for id in [a, b] {
-            let place = self.place_of.get(id.slot as usize);
-            let change = place.and_then(|&place| self.changed.get(place));
-            if change.is_some_and(|change| change.id == id && change.is_removed) {
-                return Err(Error::UnknownBody { id });
-            }
+            self.check_not_removed(id)?;
         }
         let (a, b) = scene.pair(a, b)?;
         self.pairs.push((a, b, rule));

@@ -355,7 +355,8 @@ impl Monitor {
         self.known
     }
 
-    /// Returns true if all of the lookahead is known, with all changes.
+    /// Returns true if all of the lookahead is known, with all changes. After a change it is false until a tick has looked
+    /// at it.
     #[must_use]
     pub fn is_caught_up(&self) -> bool {
         !self.search.has_changed() && self.is_known()

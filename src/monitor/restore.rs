@@ -57,7 +57,7 @@ impl Monitor {
         }
     }
 
-    /// Returns the monitor of which a snapshot was taken. Given the same inputs, it reports the same events
+    /// Returns the monitor of which a snapshot was taken; give a clone of one to go back to again. Given the same inputs, it reports the same events
     /// from then on, if its ticks have no [budget](Self::advance_within). Its next tick looks at all bodies, like
     /// the first one of a new monitor: within a budget it may come less far.
     ///

@@ -19,6 +19,8 @@ impl Monitor {
     ///   ignored pairs.
     /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
     ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it.
+    /// - A body that does not exist now is taken to get the plan as a whole, as by
+    ///   [`set_trajectory`](Self::set_trajectory). Then the plan may begin later.
     /// - Without an orientation in the plan, the body turns as it does.
     /// - Changes since the last tick count. Before the first tick (also of a [restored](Self::restore) monitor that had
     ///   changes), and while a [budget](Self::advance_within) leaves the monitor behind its clock, nothing is known:
@@ -30,8 +32,8 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoOldPlan`] if
-    /// the body does not exist now (ask [`what_if_body`](Self::what_if_body) with a whole plan), [`Error::NoNewPlan`] if the plan does not, or ends now; [`Error::NothingKnown`].
+    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoNewPlan`] if the body
+    /// exists now and the plan does not, or if the plan has ended by now; [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,
@@ -45,9 +47,13 @@ impl Monitor {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let alert = self.levels.get(level);
         let alert = alert.ok_or(Error::UnknownAlertLevel { level })?;
-        let both = body.trajectory.check_exists_at(self.now);
-        let both = both.and_then(|()| plan.check_goes_on_from(self.now));
-        both.map_err(|error| error.in_body(body.tag).with_id(id))?;
+        let begin = if body.trajectory.domain().contains(self.now) {
+            self.now
+        } else {
+            self.now.max(plan.domain().start())
+        };
+        let goes_on = plan.check_goes_on_from(begin);
+        goes_on.map_err(|error| error.in_body(body.tag).with_id(id))?;
         let orientation = orientation.unwrap_or(&body.orientation);
         let checked = Body::check_turning(&body.hitbox, orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;

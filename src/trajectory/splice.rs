@@ -63,7 +63,7 @@ impl Trajectory {
     /// # Errors
     ///
     /// [`Error::NoOldPlan`].
-    pub(crate) fn check_exists_at(&self, time: f64) -> Result<(), Error> {
+    fn check_exists_at(&self, time: f64) -> Result<(), Error> {
         let domain = self.domain();
         if domain.contains(time) {
             return Ok(());

@@ -258,6 +258,42 @@ fn what_if_sees_what_has_changed_since_the_last_tick() {
     assert!(found > 2_000, "{found}");
 }
 
+/// A body whose plan is over, or has not begun, is asked about with plans that begin now, later, or are over.
+#[test]
+fn a_body_that_is_not_there_now_may_get_a_whole_plan() {
+    let mut rng = rng(17);
+    let mut scene = Scene::new();
+    let mut insert = |start: f64, rng: &mut ChaCha8Rng| scene.insert(body(rng, start)).unwrap();
+    for _ in 0..300 {
+        insert(98.0, &mut rng);
+    }
+    let absent = [0.0, 200.0].map(|start| insert(start, &mut rng));
+    let mut monitor = Monitor::new(scene, 100.0, LOOKAHEAD, &LEVELS).unwrap();
+    monitor.advance(100.0, &mut Vec::new()).unwrap();
+    let (mut found, mut over) = (0, 0);
+    for id in absent {
+        let old = monitor.scene().body(id).unwrap().trajectory.domain();
+        assert!(!old.contains(100.0));
+        for start in [20.0, 95.0, 100.0, 101.0, 105.0, 109.0, 120.0] {
+            for _ in 0..8 {
+                let idea = plan(&mut rng, start);
+                let (start, end) = (idea.domain().start(), idea.domain().end());
+                if end > 100.0 {
+                    found += ask(&monitor, id, &idea, 0);
+                    continue;
+                }
+                let time = 100.0;
+                let expected = Error::NoNewPlan { time, start, end };
+                let refused = monitor.what_if(id, &idea, 0).unwrap_err();
+                assert_eq!(refused, expected.in_body(0).with_id(id));
+                over += 1;
+            }
+        }
+    }
+    assert!(over > 8, "{over}");
+    assert!(found > 20, "{found}");
+}
+
 /// While nothing after now is known, a question is refused: an empty answer would look like a free way.
 #[test]
 fn nothing_is_said_before_the_first_tick() {

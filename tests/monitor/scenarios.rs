@@ -380,6 +380,34 @@ fn pairs_are_ignored_with_other_changes_or_not_at_all() {
     assert_eq!((ignored(&monitor), monitor.scene().len()), (0, 1));
 }
 
+/// A shot is inserted where its ship is.
+#[test]
+fn a_new_body_ignores_others_from_the_beginning() {
+    let (a, b) = head_on();
+    let (mut monitor, ship, target) = two(a.clone(), b, &[AlertLevel::at(2.0)]);
+    assert_eq!(kinds(&tick(&mut monitor, 0.0)), ["predicted 0"]);
+    let ignored = |monitor: &Monitor| -> Vec<_> { monitor.scene().ignored_pairs().collect() };
+    let shot = |owner| Command::InsertIgnoring(Body::new(a.clone()), vec![owner]);
+    // One that is gone by then is not known; nothing is changed then.
+    let refused = monitor.apply([shot(ship), Command::Remove(target), shot(target)]);
+    assert_eq!(refused.unwrap_err(), Error::UnknownBody { id: target });
+    assert_eq!((ignored(&monitor), monitor.scene().len()), (vec![], 2));
+    let shots = monitor.apply([shot(ship)]).unwrap();
+    assert_eq!(ignored(&monitor), [(ship, shots[0])]);
+    // It meets the target as its ship does, and not the ship.
+    let events = tick(&mut monitor, 0.0);
+    assert_eq!(kinds(&events), ["predicted 0"]);
+    let met = monitor.conflicts_of(shots[0], 0).unwrap();
+    let met: Vec<_> = met.map(|one| one.other(shots[0])).collect();
+    assert_eq!(met, [Some(target)]);
+    // One that goes later in the same batch leaves no pair behind.
+    let next = monitor
+        .apply([shot(target), Command::Remove(target)])
+        .unwrap();
+    assert_eq!(next.len(), 1);
+    assert_eq!(ignored(&monitor), [(ship, shots[0])]);
+}
+
 #[test]
 fn a_splice_keeps_what_was_flown() {
     let mut rng = rng(8);

@@ -144,6 +144,10 @@ impl Handle {
     /// [`Monitor::track`](crate::Monitor::track). Never blocks. States that come late are reported as
     /// [`ReportKind::Late`](super::ReportKind::Late).
     ///
+    /// A feed that tells all bodies and moves the clock in each frame is carried out frame by frame: nothing in it is
+    /// superseded. If the thread cannot keep up, the queue fills, and this returns [`Unsent::Busy`]. Then leave the frame
+    /// out: the next one tells where the bodies are by then.
+    ///
     /// ```
     /// # use nearmiss::glam::DVec3;
     /// # use nearmiss::live::LiveOptions;

@@ -96,13 +96,14 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
         let id = ids[rng.random_range(0..ids.len())];
         let begin = now + rng.random_range(-1.0..1.0);
         let plan = body(rng, begin).trajectory;
-        commands.push(match rng.random_range(0..9) {
+        commands.push(match rng.random_range(0..10) {
             0 | 1 => Command::Replan(id, now + rng.random_range(0.0..2.0), plan.into()),
             2 => Command::Extend(id, plan.into()),
             3 => Command::SetTrajectory(id, plan),
             4 => Command::SetHitbox(id, body(rng, now).hitbox),
             5 if id != ids[0] => Command::IgnorePair(id, ids[0]),
             6 if id != ids[0] => Command::UnignorePair(ids[0], id),
+            8 => Command::InsertIgnoring(body(rng, now), vec![id, ids[0]]),
             7 => Command::SetModelError(id, rng.random_range(0.0..0.5)),
             _ => Command::SetLayers(id, body(rng, now).layers),
         });
