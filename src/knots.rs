@@ -86,7 +86,7 @@ impl<'a> Knots<'a> {
 
     /// Returns true if not all cubics are in the list of a plan: beyond it, or of a straight motion.
     #[inline(always)]
-    pub(crate) const fn need_plan(&self) -> bool {
+    pub(crate) const fn has_unlisted_cubics(&self) -> bool {
         self.plan.is_some()
     }
 
@@ -118,8 +118,8 @@ impl<'a> Knots<'a> {
 
     /// Returns the end of a cubic, s, or `None` if there is no such cubic.
     #[inline(always)]
-    pub(crate) fn end<const EXTENDED: bool>(&self, cubic: usize) -> Option<f64> {
-        if EXTENDED {
+    pub(crate) fn end<const UNLISTED: bool>(&self, cubic: usize) -> Option<f64> {
+        if UNLISTED {
             (cubic < self.cubics()).then(|| self.at(cubic + 1))
         } else {
             self.own.get(cubic + 1).copied()
@@ -128,8 +128,8 @@ impl<'a> Knots<'a> {
 
     /// Returns the start of a cubic, s.
     #[inline(always)]
-    pub(crate) fn start<const EXTENDED: bool>(&self, cubic: usize) -> f64 {
-        if EXTENDED {
+    pub(crate) fn start<const UNLISTED: bool>(&self, cubic: usize) -> f64 {
+        if UNLISTED {
             self.at(cubic)
         } else {
             self.own[cubic]

@@ -171,7 +171,7 @@ pub(crate) fn sum_above(a: f64, b: f64) -> f64 {
 ///
 /// Zero, subnormal and the largest magnitudes are scaled as far as one exact factor can.
 #[inline]
-pub(crate) fn normalising_power(magnitude: f64) -> f64 {
+pub(crate) fn scale_to_one(magnitude: f64) -> f64 {
     const EXPONENT_MASK: u64 = 0x7ff;
     let exponent = (magnitude.to_bits() >> 52) & EXPONENT_MASK;
     match exponent {
@@ -217,7 +217,7 @@ fn is_ordinary(square: f64) -> bool {
 #[cold]
 fn norm_of_any_size(vector: DVec3) -> f64 {
     let largest = vector.abs().max_element();
-    let power = normalising_power(largest);
+    let power = scale_to_one(largest);
     (vector * power).length() / power
 }
 
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn normalising_brings_into_one_to_two() {
         for magnitude in [1e-300, 0.3, 1.0, 1.999, 2.0, 1e9, 1e300] {
-            let scaled = magnitude * normalising_power(magnitude);
+            let scaled = magnitude * scale_to_one(magnitude);
             assert!((1.0..2.0).contains(&scaled), "{magnitude}: {scaled}");
         }
     }

@@ -12,8 +12,8 @@ use std::cmp::Ordering;
 pub(crate) struct Span {
     pub(crate) start: f64,
     pub(crate) end: f64,
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+    pub(crate) cubic_a: u32,
+    pub(crate) cubic_b: u32,
 }
 
 /// Two bodies, the smaller number first, and a cubic of each: a span without its times.
@@ -32,8 +32,8 @@ impl SpanKey {
         Self {
             a,
             b,
-            cubic_a: span.a,
-            cubic_b: span.b,
+            cubic_a: span.cubic_a,
+            cubic_b: span.cubic_b,
         }
     }
 
@@ -48,8 +48,8 @@ impl SpanKey {
         Span {
             start: a.at(i).max(b.at(j)),
             end: a.at(i + 1).min(b.at(j + 1)),
-            a: self.cubic_a,
-            b: self.cubic_b,
+            cubic_a: self.cubic_a,
+            cubic_b: self.cubic_b,
         }
     }
 }
@@ -116,20 +116,20 @@ pub(crate) fn each_span(
     (from, to): (f64, f64),
     visit: impl FnMut(Span),
 ) {
-    if a.need_plan() || b.need_plan() {
+    if a.has_unlisted_cubics() || b.has_unlisted_cubics() {
         spans_from::<true>(a, b, hints, from, to).for_each(visit);
     } else {
         spans_from::<false>(a, b, hints, from, to).for_each(visit);
     }
 }
 
-fn spans_from<'k, const EXTENDED: bool>(
+fn spans_from<'k, const UNLISTED: bool>(
     a: &'k Knots<'k>,
     b: &'k Knots<'k>,
     hints: (u32, u32),
     from: f64,
     to: f64,
-) -> Spans<'k, EXTENDED> {
+) -> Spans<'k, UNLISTED> {
     let mut spans = Spans {
         a,
         b,
@@ -141,8 +141,8 @@ fn spans_from<'k, const EXTENDED: bool>(
     match common_domain(a, b) {
         Some((start, end)) if start < end => {
             let from = from.max(start);
-            spans.i = skip::<EXTENDED>(a, spans.i, from);
-            spans.j = skip::<EXTENDED>(b, spans.j, from);
+            spans.i = skip::<UNLISTED>(a, spans.i, from);
+            spans.j = skip::<UNLISTED>(b, spans.j, from);
         }
         shared => {
             // Only a single shared instant gives a span of no duration: every cubic lasts.
@@ -152,8 +152,8 @@ fn spans_from<'k, const EXTENDED: bool>(
                 .map(|(start, end)| Span {
                     start,
                     end,
-                    a: cubic_at(a, start),
-                    b: cubic_at(b, start),
+                    cubic_a: cubic_at(a, start),
+                    cubic_b: cubic_at(b, start),
                 });
         }
     }
@@ -161,16 +161,16 @@ fn spans_from<'k, const EXTENDED: bool>(
 }
 
 /// Returns the first cubic, from `cubic` on, that does not end before `from`.
-fn skip<const EXTENDED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
-    while knots.end::<EXTENDED>(cubic).is_some_and(|end| end < from) {
+fn skip<const UNLISTED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
+    while knots.end::<UNLISTED>(cubic).is_some_and(|end| end < from) {
         cubic += 1;
     }
     cubic
 }
 
-/// Iterator over [`spans`]. `EXTENDED` is required of knots that [need the plan](Knots::need_plan).
+/// Iterator over [`spans`]. `UNLISTED` is required of knots that [have unlisted cubics](Knots::has_unlisted_cubics).
 #[derive(Clone, Debug)]
-pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
+pub(crate) struct Spans<'k, const UNLISTED: bool = true> {
     a: &'k Knots<'k>,
     b: &'k Knots<'k>,
     /// Current cubics.
@@ -180,7 +180,7 @@ pub(crate) struct Spans<'k, const EXTENDED: bool = true> {
     single_instant: Option<Span>,
 }
 
-impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
+impl<const UNLISTED: bool> Iterator for Spans<'_, UNLISTED> {
     type Item = Span;
 
     fn next(&mut self) -> Option<Span> {
@@ -188,10 +188,10 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
             return Some(single_instant);
         }
         loop {
-            let a_end = self.a.end::<EXTENDED>(self.i)?;
-            let b_end = self.b.end::<EXTENDED>(self.j)?;
-            let start = self.a.start::<EXTENDED>(self.i);
-            let start = start.max(self.b.start::<EXTENDED>(self.j));
+            let a_end = self.a.end::<UNLISTED>(self.i)?;
+            let b_end = self.b.end::<UNLISTED>(self.j)?;
+            let start = self.a.start::<UNLISTED>(self.i);
+            let start = start.max(self.b.start::<UNLISTED>(self.j));
             let end = a_end.min(b_end);
             if start > self.to {
                 return None;
@@ -208,8 +208,8 @@ impl<const EXTENDED: bool> Iterator for Spans<'_, EXTENDED> {
                 return Some(Span {
                     start,
                     end,
-                    a: short(i),
-                    b: short(j),
+                    cubic_a: short(i),
+                    cubic_b: short(j),
                 });
             }
         }
@@ -231,7 +231,7 @@ mod tests {
 
     fn windowed(a: &[f64], b: &[f64], from: f64, to: f64) -> Vec<(f64, f64, u32, u32)> {
         spans(&Knots::of(a), &Knots::of(b), from, to)
-            .map(|span| (span.start, span.end, span.a, span.b))
+            .map(|span| (span.start, span.end, span.cubic_a, span.cubic_b))
             .collect()
     }
 

@@ -27,7 +27,7 @@ pub(crate) enum HullTest {
 /// Tests two bodies from `from` to `to` (s), within one cubic of each. They are apart if all
 /// control points of the relative motion lie beyond the margin on an axis or along their sum.
 pub(crate) fn hull_test(a: &BodyCubic<'_>, b: &BodyCubic<'_>, interval: (f64, f64)) -> HullTest {
-    if a.source.knots.need_plan() || b.source.knots.need_plan() {
+    if a.source.knots.has_unlisted_cubics() || b.source.knots.has_unlisted_cubics() {
         hull_test_of::<true>(a, b, interval)
     } else {
         hull_test_of::<false>(a, b, interval)
@@ -35,7 +35,7 @@ pub(crate) fn hull_test(a: &BodyCubic<'_>, b: &BodyCubic<'_>, interval: (f64, f6
 }
 
 #[inline(always)]
-fn hull_test_of<const EXTENDED: bool>(
+fn hull_test_of<const UNLISTED: bool>(
     a: &BodyCubic<'_>,
     b: &BodyCubic<'_>,
     (from, to): (f64, f64),
@@ -43,7 +43,7 @@ fn hull_test_of<const EXTENDED: bool>(
     /// Largest rounding, as a share of the radius, with which the outcome is `Near`, not `Undecided`.
     const SMALL: f32 = 0.25;
     let part = |body: &BodyCubic<'_>| {
-        let piece = body.source.sub_cubic::<EXTENDED>(body.cubic);
+        let piece = body.source.sub_cubic::<UNLISTED>(body.cubic);
         let placement = &body.source.placement;
         let piece = piece.part(from, to);
         let rounding = piece.rounding() + placement.steady;

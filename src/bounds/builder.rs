@@ -231,7 +231,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     }
 
     /// Summarises the bounds as a run of cubics that ends at `end`.
-    pub(super) fn sum_up(&self, end: Vec4) -> CubicRun {
+    pub(super) fn finish_run(&self, end: Vec4) -> CubicRun {
         let (middle, deviation) = self.middle();
         // Of the line: three of where it starts, eight of its change, shares of time included; one
         // where either end is moved.

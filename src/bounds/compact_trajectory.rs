@@ -6,7 +6,7 @@ use super::form_runs::form_runs;
 use super::frame::{DAabb, Frame};
 use super::points::PaddedPoints;
 use crate::knots::Knots;
-use crate::rounding::normalising_power;
+use crate::rounding::scale_to_one;
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 
@@ -78,7 +78,7 @@ impl CompactTrajectory {
         if !segments.is_empty() {
             // Numbers near one: whatever underflows is nothing next to them, in any other unit.
             let size = (extremes.high - compact.frame.origin).max_element() + spread;
-            compact.frame.power = normalising_power(size);
+            compact.frame.power = scale_to_one(size);
             compact.size = size * compact.frame.power;
         }
         let (of_knots, rest) = cache_lines.split_at_mut(knots.len().div_ceil(CacheLine::KNOTS));

@@ -19,7 +19,7 @@ impl CubicRun {
         for number in 1..Self::SIZE {
             builder.follow_from_start(&piece(number));
         }
-        builder.sum_up(tail.points[3])
+        builder.finish_run(tail.points[3])
     }
 
     /// Returns the run of four runs, each with the same number of cubics between these knots.
@@ -31,7 +31,7 @@ impl CubicRun {
         for (run, number) in runs.iter().zip(1..) {
             builder.pass(&run.unpack(1.0), knots[number * step]);
         }
-        builder.sum_up(last.end)
+        builder.finish_run(last.end)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::nearest;
 use super::slice_interval::SliceInterval;
-use crate::rounding::normalising_power;
+use crate::rounding::scale_to_one;
 use crate::shape::BodyShape;
 use glam::{DVec3, Vec4};
 use std::ops::Deref;
@@ -161,7 +161,7 @@ impl Frame {
         let power = if half <= 0.0 || (1e-10..1e30).contains(&half) {
             1.0
         } else {
-            normalising_power(half)
+            scale_to_one(half)
         };
         Self { origin, power }
     }

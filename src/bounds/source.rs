@@ -33,8 +33,8 @@ pub(crate) struct CubicSource<'a, C> {
 impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns a whole cubic, listed or beyond the list.
     #[inline(always)]
-    pub(crate) fn sub_cubic<const EXTENDED: bool>(&self, number: usize) -> SubCubic {
-        if EXTENDED {
+    pub(crate) fn sub_cubic<const UNLISTED: bool>(&self, number: usize) -> SubCubic {
+        if UNLISTED {
             return self.sub_cubic_of_extended(number);
         }
         let knots = self.knots.own();
@@ -78,7 +78,7 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Returns true if the cubics have runs, and all cubics are the plan's own.
     #[inline(always)]
     pub(crate) const fn is_in_runs(&self) -> bool {
-        !self.runs.is_empty() && !self.knots.need_plan()
+        !self.runs.is_empty() && !self.knots.has_unlisted_cubics()
     }
 
     /// Prefetches the data that [`pass`](Self::pass) would read, or the first cubic if no run fits;
@@ -97,12 +97,12 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
     /// Adds the largest run of cubics from `first` to before `end` to a builder. Returns the next
     /// cubic's number, or `None` if no run fits.
     #[inline(always)]
-    pub(crate) fn pass<const MOVES: bool, const EXTENDED: bool>(
+    pub(crate) fn pass<const MOVES: bool, const UNLISTED: bool>(
         &self,
         builder: &mut BoundsBuilder<MOVES>,
         (first, end): (usize, usize),
     ) -> Option<usize> {
-        if !EXTENDED {
+        if !UNLISTED {
             let (run, count) = largest(self.runs, self.cubics.len(), first, end)?;
             let until = self.knots.own()[first + count];
             builder.pass(&run.unpack(self.placement.factor), until);

@@ -3,7 +3,7 @@
 use super::{DistanceEnclosure, UncertainCubic};
 use crate::blossom::ControlPolygon;
 use crate::real::Real;
-use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
+use crate::rounding::{UNIT_ROUNDOFF, scale_to_one};
 use glam::DVec3;
 
 /// 1 + 2^-40: covers all terms of second order and the rounding of the bounds themselves.
@@ -33,7 +33,7 @@ impl ScaledCubic {
     pub(super) fn new(&UncertainCubic { points, error }: &UncertainCubic) -> Self {
         let [a, b, c, d] = points;
         let largest = (a.abs().max(b.abs())).max(c.abs().max(d.abs()));
-        let power = normalising_power(largest.max_element().max(error));
+        let power = scale_to_one(largest.max_element().max(error));
         // Scaling loses at most 2^-1075 per component.
         let points = [a * power, b * power, c * power, d * power];
         let norms = points.iter().map(|point| norm_above(*point));

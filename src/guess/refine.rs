@@ -6,7 +6,7 @@ use super::cubic::{
 use super::{descend, halley_step, long_step, lowest_sample, polish, settle, squared_distance};
 use crate::blossom::ControlPolygon;
 use crate::real::Real;
-use crate::rounding::normalising_power;
+use crate::rounding::scale_to_one;
 
 /// Steps of refinement before a proof, and after a failed one: at a root of multiplicity five a
 /// step shortens the error by a third.
@@ -53,6 +53,6 @@ pub(crate) fn normalised(points: &ControlPoints<f64>) -> (ControlPoints<f64>, f6
     if (1e-40..=1e40).contains(&largest) {
         return (*points, 1.0);
     }
-    let power = normalising_power(largest);
+    let power = scale_to_one(largest);
     (points.map(|point| point.map(|x| x * power)), 1.0 / power)
 }

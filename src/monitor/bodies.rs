@@ -88,10 +88,10 @@ impl<'m> BodyTable<'m> {
     pub(super) fn entry(&self, slot: u32, until: f64) -> Option<(&'m SceneEntry, bool)> {
         let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
         // Beyond the instant up to which it is followed, a plan may go anywhere.
-        let is_extended =
-            until > monitored.until() || monitored.knots(&body.trajectory).need_plan();
+        let needs_cubics =
+            until > monitored.until() || monitored.knots(&body.trajectory).has_unlisted_cubics();
         let (_, entry) = self.scene.in_slot(slot)?;
-        Some((entry, is_extended))
+        Some((entry, needs_cubics))
     }
 
     /// Returns the source of a body's boxes, its cubics with their padding; without a partner, that of a body that never

@@ -38,7 +38,7 @@ impl Monitor {
 
     fn put(&mut self, body: Body, monitored: MonitoredBody) -> Result<BodyId, Error> {
         let id = self.scene.insert(body)?;
-        self.register(id, Some(monitored));
+        self.update_monitored(id, Some(monitored));
         self.watch_plan_end(id);
         Ok(id)
     }
@@ -60,7 +60,7 @@ impl Monitor {
 
     fn take_out(&mut self, id: BodyId) -> Result<Body, Error> {
         let body = self.scene.remove(id)?;
-        self.register(id, None);
+        self.update_monitored(id, None);
         self.plan_ends.set(id.slot, f64::INFINITY);
         push_once(&mut self.removed, id.slot);
         Ok(body)
@@ -334,7 +334,7 @@ impl Monitor {
             if let Some(model_error) = change.model_error {
                 self.scene.set_model_error(id, model_error)?;
             }
-            self.register(id, change.monitored.take());
+            self.update_monitored(id, change.monitored.take());
         }
         let inserted = batch.inserted.drain(..);
         let put = |(body, monitored, ignored): (_, _, Vec<BodyId>)| {
@@ -483,7 +483,7 @@ impl Monitor {
         self.grid_review.changes += count;
     }
 
-    pub(super) fn register(&mut self, id: BodyId, monitored: Option<MonitoredBody>) {
+    pub(super) fn update_monitored(&mut self, id: BodyId, monitored: Option<MonitoredBody>) {
         self.count_changes(1);
         self.search.set(id.slot, monitored);
         self.search.find_partners(&self.scene, Some(id.slot));

@@ -35,7 +35,7 @@ pub(super) struct TrackedEncounter {
     encounter: Encounter,
     sent: SentNumbers,
     begun: bool,
-    with_trajectory: bool,
+    ends_with_trajectory: bool,
     /// Closest approach so far, once it has begun.
     passed: Option<SolvedApproach>,
 }
@@ -369,7 +369,7 @@ fn appear(
         encounter,
         sent: SentNumbers::of(&encounter),
         begun: false,
-        with_trajectory: new.solved.conflict.clip.at_exit,
+        ends_with_trajectory: new.solved.conflict.clip.at_exit,
         passed: None,
     };
     if enter > tick.reported {
@@ -393,7 +393,7 @@ fn go_on(
         return unmatched(old, tick, events);
     };
     let mut tracked = *old;
-    tracked.with_trajectory = new.solved.conflict.clip.at_exit;
+    tracked.ends_with_trajectory = new.solved.conflict.clip.at_exit;
     tracked.encounter.exit = new.solved.conflict.exit;
     tracked.encounter.open = new.open;
     if old.begun {
@@ -434,7 +434,7 @@ fn clock(
             tracked.passed = Some(passed.or_passed(tracked.passed));
         }
         if !tracked.encounter.open && tracked.encounter.exit < tick.reported {
-            let reason = if tracked.with_trajectory {
+            let reason = if tracked.ends_with_trajectory {
                 EndReason::TrajectoryEnded
             } else {
                 EndReason::Separated

@@ -49,7 +49,7 @@ impl JumpSearch {
     /// # Errors
     ///
     /// If there is too little room for what is found.
-    pub(super) fn cross(
+    pub(super) fn search_jump(
         &mut self,
         (from, to, length): (f64, f64, f64),
         bodies: &PreparedBodies<'_>,

@@ -201,7 +201,7 @@ impl LookaheadSearch {
     }
 
     /// Drops the solved spans of all changed bodies, in one pass.
-    fn spread_changes(&mut self) {
+    fn forget_changed_pairs(&mut self) {
         if !self.has_changed() {
             return;
         }
@@ -243,8 +243,8 @@ impl LookaheadSearch {
         let changed = (self.changed.slots().len(), self.monitored.len());
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
-        let present = self.start(self.index(lookahead.0));
-        self.spread_changes();
+        let clock_slice = self.start(self.index(lookahead.0));
+        self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
         loop {
             self.survivors.clear();
@@ -258,7 +258,7 @@ impl LookaheadSearch {
                 known = self.half_spaces.list_spans(&bodies, times, work, found)?;
                 work.stats.narrow_time += begin.elapsed();
             }
-            let (compared_until, is_done) = self.search_slices((from, present, to), work)?;
+            let (compared_until, is_done) = self.search_slices((from, clock_slice, to), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -280,22 +280,22 @@ impl LookaheadSearch {
         BodyTable::of(scene, &self.monitored, &self.grid)
     }
 
-    /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `present` is the
+    /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `clock_slice` is the
     /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
     /// which all is up to date, and false if another call is to go on once these survivors are solved.
     fn search_slices(
         &mut self,
-        (mut from, present, to): (f64, f64, f64),
+        (mut from, clock_slice, to): (f64, f64, f64),
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
-        let jump = (self.laid_until(from), present);
+        let jump = (self.laid_until(from), clock_slice);
         if self.jump.is_needed(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
             self.unused.extend(self.slices.drain(..));
-            if let Some(stop) = self.cross((from, present), work)? {
+            if let Some(stop) = self.search_jump((from, clock_slice), work)? {
                 return Ok((stop, true));
             }
-            from = present;
+            from = clock_slice;
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
@@ -328,7 +328,7 @@ impl LookaheadSearch {
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.last_end) / self.grid.length;
             let changed = (self.changed.slots().len(), self.monitored.len());
-            next.foresee(due_ahead(share, step, changed), last);
+            next.set_due_ahead(due_ahead(share, step, changed), last);
         }
         self.last_end = to;
         let bodies = self.bodies(work.admission.scene);

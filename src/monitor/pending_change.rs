@@ -43,7 +43,7 @@ impl ChangeContext<'_> {
     /// # Errors
     ///
     /// [`Error::ChangeTime`]; [`Error::NoNewPlan`] if a plan for the past is over, and the body is not.
-    pub(super) fn follows_from(
+    pub(super) fn takes_effect_at(
         &self,
         old: &Trajectory,
         plan: &Trajectory,
@@ -208,7 +208,7 @@ impl PendingChange {
             return Ok(false);
         };
         let (old, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
-        let from = context.follows_from(old, &plan, pending.from);
+        let from = context.takes_effect_at(old, &plan, pending.from);
         let from = from.map_err(|error| {
             let error = error.in_body(body.tag).with_id(self.id);
             (pending.command, error)
@@ -246,7 +246,7 @@ impl PendingChange {
             return Ok(());
         };
         let from = match splice.from {
-            Some(from) => context.follows_from(old, plan, from),
+            Some(from) => context.takes_effect_at(old, plan, from),
             None => Ok(old.knots().last().copied().unwrap_or(0.0)),
         };
         let spliced = from.and_then(|from| {

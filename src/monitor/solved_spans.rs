@@ -37,10 +37,10 @@ impl SolvedSpans {
     /// Forgets all that concerns some pairs.
     pub(super) fn forget(&mut self, is_gone: impl Fn(SlotPair) -> bool) {
         let changed = &mut self.changed_pairs;
-        self.spans.retain(|find, _| {
-            let is_gone = is_gone(pair_of(&find.key));
+        self.spans.retain(|entry, _| {
+            let is_gone = is_gone(pair_of(&entry.key));
             if is_gone {
-                changed.push(pair_of(&find.key));
+                changed.push(pair_of(&entry.key));
             }
             !is_gone
         });
@@ -49,7 +49,7 @@ impl SolvedSpans {
 
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
-        self.spans.retain(|find, _| find.interval.1 >= from);
+        self.spans.retain(|entry, _| entry.interval.1 >= from);
         self.begun.retain(|_, until| *until >= from);
     }
 
@@ -117,8 +117,8 @@ impl SolvedSpans {
 
     fn of(&self, pair: SlotPair) -> impl Iterator<Item = &IndexEntry<SpanKey>> {
         let entries = self.spans.entries();
-        let first = entries.partition_point(|find| pair_of(&find.key) < pair);
-        let of_pair = move |find: &&IndexEntry<SpanKey>| pair_of(&find.key) == pair;
+        let first = entries.partition_point(|entry| pair_of(&entry.key) < pair);
+        let of_pair = move |entry: &&IndexEntry<SpanKey>| pair_of(&entry.key) == pair;
         entries[first..].iter().take_while(of_pair)
     }
 
@@ -132,13 +132,13 @@ impl SolvedSpans {
         found: &mut Vec<Contact>,
     ) {
         found.clear();
-        let solved = self.of(pair).map(|find| self.spans.at(find.place));
+        let solved = self.of(pair).map(|entry| self.spans.at(entry.place));
         contacts_of(solved, margin, window, found);
     }
 
     /// Returns true if the distance of two spheres of a pair is constant over one of its spans.
     pub(super) fn has_plateau(&self, pair: SlotPair) -> bool {
-        let mut solved = self.of(pair).map(|find| self.spans.at(find.place));
+        let mut solved = self.of(pair).map(|entry| self.spans.at(entry.place));
         solved.any(SolvedSpan::is_plateau)
     }
 
@@ -146,9 +146,9 @@ impl SolvedSpans {
     /// which ends of the part are not those of the contact.
     pub(super) fn closest(&self, pair: SlotPair, part: (f64, f64), clip: Clip) -> Option<Approach> {
         let overlaps =
-            |find: &&IndexEntry<SpanKey>| find.interval.0 <= part.1 && part.0 <= find.interval.1;
+            |entry: &&IndexEntry<SpanKey>| entry.interval.0 <= part.1 && part.0 <= entry.interval.1;
         let solved = self.of(pair).filter(overlaps);
-        let approaches = solved.map(|find| self.spans.at(find.place).closest(part, clip));
+        let approaches = solved.map(|entry| self.spans.at(entry.place).closest(part, clip));
         approaches.reduce(Approach::or_lower)
     }
 }

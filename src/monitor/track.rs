@@ -222,7 +222,7 @@ impl Monitor {
         let old = &body.trajectory;
         let in_body = |error: Error| error.in_body(body.tag);
         let mut plan = Trajectory::of_straight(*motion);
-        let from = context.follows_from(old, &plan, now);
+        let from = context.takes_effect_at(old, &plan, now);
         let from = from.map_err(in_body)?;
         if old.follows(motion, from) {
             return Ok(ToldPlan::Same(from));
@@ -259,7 +259,7 @@ impl Monitor {
                 ToldPlan::Replan(_, replanned) => {
                     let (mut plan, monitored) = *replanned;
                     self.scene.swap_trajectory(id, &mut plan)?;
-                    self.register(id, Some(monitored));
+                    self.update_monitored(id, Some(monitored));
                     self.plan_ends.set(id.slot, f64::INFINITY);
                 }
             }

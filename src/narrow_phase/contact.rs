@@ -129,7 +129,7 @@ pub(crate) fn solve(
     }
     // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
-    clusters.each_within_after(margin, (window, after), solve)
+    clusters.solve_parts(margin, (window, after), solve)
 }
 
 /// Appends all maximal intervals of `window` with separation of at most `margin` and the bodies' model

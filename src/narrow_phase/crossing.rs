@@ -1,7 +1,7 @@
 //! Nodes of a distance's profile over a span, and the crossing of a threshold between two of them.
 
 use super::relative::RelativeCubic;
-use crate::rounding::{UNIT_ROUNDOFF, norm, normalising_power};
+use crate::rounding::{UNIT_ROUNDOFF, norm, scale_to_one};
 
 /// An instant of a span, and the distance there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,7 +89,7 @@ pub(super) fn crossing(
     if inside.distance >= radius {
         return inside.time;
     }
-    let power = normalising_power(cubic.size.max(radius));
+    let power = scale_to_one(cubic.size.max(radius));
     let radius = radius * power;
     let tolerance = cubic.tolerance() * power;
     let motion = cubic.power_forms();

@@ -14,7 +14,7 @@ use super::relative::{
 };
 use super::sphere_pair::SpherePair;
 use super::{BodyView, widened};
-use crate::rounding::{PLANE_CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, normalising_power};
+use crate::rounding::{PLANE_CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, scale_to_one};
 use crate::spans::Span;
 use crate::trajectory::Segment;
 use glam::DVec3;
@@ -129,9 +129,9 @@ impl<'a> PlanePair<'a> {
     /// Returns the cubics of the body and of the plane.
     fn segments(&self) -> [Cow<'a, Segment>; 2] {
         let (body, plane) = if self.is_first {
-            (self.span.b, self.span.a)
+            (self.span.cubic_b, self.span.cubic_a)
         } else {
-            (self.span.a, self.span.b)
+            (self.span.cubic_a, self.span.cubic_b)
         };
         [
             self.body.segment(body as usize),
@@ -216,10 +216,10 @@ impl<'a> PlanePair<'a> {
         let shift = if lowest > unknown {
             0.0
         } else if lowest >= -unknown {
-            4.0 / normalising_power(unknown)
+            4.0 / scale_to_one(unknown)
         } else {
             // A power of two above twice the largest: what is added stays far from zero.
-            4.0 / normalising_power(largest(&points).max(unknown))
+            4.0 / scale_to_one(largest(&points).max(unknown))
         };
         let points = points.map(|height| height + shift);
         let size = points.into_iter().fold(0.0, f64::max);

@@ -94,7 +94,7 @@ impl<'a> BodyView<'a> {
     /// Returns cubic number `number`.
     #[inline(always)]
     pub(crate) fn segment(&self, number: usize) -> Cow<'a, Segment> {
-        if !self.knots.need_plan() {
+        if !self.knots.has_unlisted_cubics() {
             return Cow::Borrowed(&self.segments[number]);
         }
         match self.knots.segment_beyond(number) {
@@ -118,10 +118,10 @@ impl<'a> BodyView<'a> {
     /// Returns the cubics that two bodies follow in a span.
     #[inline(always)]
     pub(crate) fn segments_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
-        if self.knots.need_plan() || other.knots.need_plan() {
+        if self.knots.has_unlisted_cubics() || other.knots.has_unlisted_cubics() {
             return self.segments_formed_in(other, span);
         }
-        let (a, b) = (span.a as usize, span.b as usize);
+        let (a, b) = (span.cubic_a as usize, span.cubic_b as usize);
         [
             Cow::Borrowed(&self.segments[a]),
             Cow::Borrowed(&other.segments[b]),
@@ -131,8 +131,8 @@ impl<'a> BodyView<'a> {
     #[inline(never)]
     fn segments_formed_in(&self, other: &Self, span: Span) -> [Cow<'a, Segment>; 2] {
         [
-            self.segment(span.a as usize),
-            other.segment(span.b as usize),
+            self.segment(span.cubic_a as usize),
+            other.segment(span.cubic_b as usize),
         ]
     }
 

@@ -49,10 +49,10 @@ impl DistanceProfile {
         if cubic.is_constant() {
             return Some(Self::constant(cubic));
         }
-        let heights = SquaredDistance::of(cubic);
+        let squared = SquaredDistance::of(cubic);
         // Once for what counts as within, once for the rounding of what is compared with it.
-        let is_beyond = heights.is_beyond(radius + 2.0 * cubic.tolerance());
-        (!is_beyond).then(|| Self::changing(cubic, &heights))
+        let is_beyond = squared.is_beyond(radius + 2.0 * cubic.tolerance());
+        (!is_beyond).then(|| Self::changing(cubic, &squared))
     }
 
     /// Returns the profile of a constant distance: differences at the ends are rounding.
@@ -70,9 +70,9 @@ impl DistanceProfile {
 
     // Not inlined: a profile is formed where its caller wants it, instead of moved there.
     #[inline(never)]
-    fn changing(cubic: &RelativeCubic, heights: &SquaredDistance) -> Self {
+    fn changing(cubic: &RelativeCubic, squared: &SquaredDistance) -> Self {
         let mut profile = Self::from(ProfileNode::first(cubic));
-        if heights.is_monotonic() {
+        if squared.is_monotonic() {
             profile.push(ProfileNode::last(cubic));
             return profile;
         }

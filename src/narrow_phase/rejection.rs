@@ -5,7 +5,7 @@
 //! reject a contact that the solver would report.
 
 use crate::enclosure::squared_distance;
-use crate::rounding::{norm, normalising_power};
+use crate::rounding::{norm, scale_to_one};
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -58,7 +58,7 @@ fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
 
 /// Returns true if all Bernstein coefficients of the squared distance exceed the squared threshold.
 fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
-    let power = normalising_power(largest.max_element());
+    let power = scale_to_one(largest.max_element());
     let coefficients = squared_distance(&points.map(|point| point * power));
     let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
     // Its rounding is the clearance's. With vi = bi(s) hi, bi the Bernstein weights, the distance at s is

@@ -79,8 +79,8 @@ impl Approach {
             let from_then_on = next.map(|next| next.motion_at(self.time).1);
             (position, from_then_on.unwrap_or(velocity))
         };
-        let (position_a, velocity_a) = motion(a, self.span.a);
-        let (position_b, velocity_b) = motion(b, self.span.b);
+        let (position_a, velocity_a) = motion(a, self.span.cubic_a);
+        let (position_b, velocity_b) = motion(b, self.span.cubic_b);
         (position_a, position_b, velocity_a - velocity_b)
     }
 }

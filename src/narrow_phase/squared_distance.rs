@@ -1,24 +1,24 @@
-//! Proofs about a span by the control heights of the squared distance, before any root is sought.
+//! Proofs about a span by the Bernstein coefficients of the squared distance, before any root is sought.
 
 use super::relative::RelativeCubic;
 use crate::enclosure::squared_distance;
-use crate::rounding::{UNIT_ROUNDOFF, normalising_power};
+use crate::rounding::{UNIT_ROUNDOFF, scale_to_one};
 
-/// Control heights of the squared distance over a span. The unit is a power of two for which the
-/// largest norm of a control point lies in [1, 2), so no height exceeds 4. Each height has an error of
+/// Bernstein coefficients of the squared distance over a span. The unit is a power of two for which the
+/// largest norm of a control point lies in [1, 2), so no coefficient exceeds 4. Each coefficient has an error of
 /// at most 7 roundings of that: three of a scalar product, four of the weighted mean of two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SquaredDistance {
-    heights: [f64; 7],
+    bernstein: [f64; 7],
     /// Factor from metres to that unit.
     power: f64,
 }
 
 impl SquaredDistance {
     pub(super) fn of(cubic: &RelativeCubic) -> Self {
-        let power = normalising_power(cubic.size);
+        let power = scale_to_one(cubic.size);
         Self {
-            heights: squared_distance(&cubic.points.map(|point| point * power)),
+            bernstein: squared_distance(&cubic.points.map(|point| point * power)),
             power,
         }
     }
@@ -26,10 +26,10 @@ impl SquaredDistance {
     /// Returns true if the distance certainly rises or certainly falls over the whole span. The
     /// solver's rounding is covered: it would find no stationary point between the ends.
     ///
-    /// A polynomial in Bernstein form rises if its control heights do. Most spans of a long contact
+    /// A polynomial in Bernstein form rises if its Bernstein coefficients do. Most spans of a long contact
     /// pass this test, at a tenth of the cost of a root search.
     pub(super) fn is_monotonic(&self) -> bool {
-        /// Least difference of neighbouring heights.
+        /// Least difference of neighbouring coefficients.
         ///
         /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
         /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings
@@ -37,7 +37,7 @@ impl SquaredDistance {
         /// 390,000.
         const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
         let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for ends in self.heights.windows(2) {
+        for ends in self.bernstein.windows(2) {
             let step = ends[1] - ends[0];
             least = if step < least { step } else { least };
             largest = if step > largest { step } else { largest };
@@ -48,9 +48,9 @@ impl SquaredDistance {
     /// Returns true if the distance certainly stays above `radius` (m), which must include the
     /// solver's rounding: it would find no instant with a smaller distance.
     pub(super) fn is_beyond(&self, radius: f64) -> bool {
-        let least = self.heights.into_iter().fold(f64::INFINITY, f64::min);
+        let least = self.bernstein.into_iter().fold(f64::INFINITY, f64::min);
         let radius = radius * self.power;
-        // 28 roundings of the heights, and two of the radius and its square: of 4 where it matters.
+        // 28 roundings of the coefficients, and two of the radius and its square: of 4 where it matters.
         least > radius * radius + 64.0 * UNIT_ROUNDOFF
     }
 }

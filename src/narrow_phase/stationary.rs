@@ -7,7 +7,7 @@
 
 use super::relative::RelativeCubic;
 use crate::polynomial::roots;
-use crate::rounding::normalising_power;
+use crate::rounding::scale_to_one;
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
@@ -39,7 +39,7 @@ pub(crate) fn stationary_points(cubic: &RelativeCubic) -> ArrayVec<f64, MAX_STAT
 /// The degree is 5, and the last coefficient zero. Without it the roots would be found from other
 /// guesses, and answers differ in the last digit.
 fn slope(cubic: &RelativeCubic) -> [f64; 7] {
-    let power = normalising_power(cubic.size);
+    let power = scale_to_one(cubic.size);
     let [p0, p1, p2, p3] = cubic.points.map(|point| point * power);
     let (outer, inner) = (p0 + p3, 3.0 * (p1 + p2));
     let (outer_step, inner_step) = (p3 - p0, 3.0 * (p2 - p1));
@@ -71,7 +71,7 @@ pub(super) const MAXIMUM_ERROR: f64 = 4e-7;
 /// on their exact place. (Bounds that are taken from them have [room](MAXIMUM_ERROR) for it.)
 fn polish(cubic: &RelativeCubic, start: f64, (low, high): (f64, f64)) -> f64 {
     const MAX_STEPS: usize = 60;
-    let power = normalising_power(cubic.size);
+    let power = scale_to_one(cubic.size);
     let mut s = start.max(low).min(high);
     let motion = cubic.power_forms();
     let (mut position, mut rate) = motion.at(s);

@@ -24,7 +24,7 @@ pub(super) struct IsolatingInterval {
 
 /// A part of -1..=1, in fractions of it, with its Bernstein coefficients.
 struct SubInterval {
-    heights: [f64; 7],
+    bernstein: [f64; 7],
     low: f64,
     high: f64,
     depth: u8,
@@ -48,25 +48,25 @@ pub(super) fn isolate<const D: usize>(
     let mut found = ArrayVec::new();
     let mut stack = ArrayVec::<_, { DEPTH as usize + 1 }>::new();
     stack.push(SubInterval {
-        heights: heights::<D>(coefficients),
+        bernstein: bernstein::<D>(coefficients),
         low: 0.0,
         high: 1.0,
         depth: 0,
     });
     while let Some(part) = stack.pop() {
-        let (changes, place, least) = sign_changes::<D>(&part.heights);
+        let (changes, place, least) = sign_changes::<D>(&part.bernstein);
         // Written so that an error that is infinite or not a number is not below.
         let certain = least > error;
         if !certain {
             return None;
         }
         if changes == 1 {
-            let (before, after) = (part.heights[place], part.heights[place + 1]);
+            let (before, after) = (part.bernstein[place], part.bernstein[place + 1]);
             let fraction = (place as f64 + before / (before - after)) / D as f64;
             let interval = IsolatingInterval {
                 low: -1.0 + 2.0 * part.low,
                 high: -1.0 + 2.0 * part.high,
-                negative_at_low: part.heights[0] < 0.0,
+                negative_at_low: part.bernstein[0] < 0.0,
                 start: -1.0 + 2.0 * (part.low + (part.high - part.low) * fraction),
             };
             found.try_push(interval).ok()?;
@@ -76,15 +76,15 @@ pub(super) fn isolate<const D: usize>(
             }
             let middle = 0.5 * (part.low + part.high);
             let depth = part.depth + 1;
-            let (left, right) = halves::<D>(&part.heights);
+            let (left, right) = halves::<D>(&part.bernstein);
             stack.push(SubInterval {
-                heights: right,
+                bernstein: right,
                 low: middle,
                 depth,
                 ..part
             });
             stack.push(SubInterval {
-                heights: left,
+                bernstein: left,
                 high: middle,
                 depth,
                 ..part
@@ -96,7 +96,7 @@ pub(super) fn isolate<const D: usize>(
 
 /// Returns the Bernstein coefficients over -1..=1.
 #[inline]
-fn heights<const D: usize>(coefficients: &[f64; 7]) -> [f64; 7] {
+fn bernstein<const D: usize>(coefficients: &[f64; 7]) -> [f64; 7] {
     let mut values = *coefficients;
     // The interval becomes 0..=1: shift, then scale.
     for i in 0..D {
@@ -119,25 +119,29 @@ fn heights<const D: usize>(coefficients: &[f64; 7]) -> [f64; 7] {
 
 /// Returns the number of sign changes, the index before the last one, and the least absolute value.
 #[inline]
-fn sign_changes<const D: usize>(heights: &[f64; 7]) -> (u32, usize, f64) {
+fn sign_changes<const D: usize>(bernstein: &[f64; 7]) -> (u32, usize, f64) {
     let mut changes = 0;
     let mut place = 0;
-    let mut least = heights[0].abs();
+    let mut least = bernstein[0].abs();
     for i in 0..D {
-        let change = (heights[i] < 0.0) != (heights[i + 1] < 0.0);
+        let change = (bernstein[i] < 0.0) != (bernstein[i + 1] < 0.0);
         changes += u32::from(change);
         place = if change { i } else { place };
-        let height = heights[i + 1].abs();
-        least = if height < least { height } else { least };
+        let coefficient = bernstein[i + 1].abs();
+        least = if coefficient < least {
+            coefficient
+        } else {
+            least
+        };
     }
     (changes, place, least)
 }
 
 /// Returns the Bernstein coefficients over the two halves.
 #[inline]
-fn halves<const D: usize>(heights: &[f64; 7]) -> ([f64; 7], [f64; 7]) {
-    let mut left = *heights;
-    let mut right = *heights;
+fn halves<const D: usize>(bernstein: &[f64; 7]) -> ([f64; 7], [f64; 7]) {
+    let mut left = *bernstein;
+    let mut right = *bernstein;
     for (step, end) in left.iter_mut().enumerate().take(D + 1).skip(1) {
         for i in 0..=D - step {
             right[i] = 0.5 * (right[i] + right[i + 1]);

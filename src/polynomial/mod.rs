@@ -37,7 +37,7 @@
 mod isolation;
 mod recursion;
 
-use crate::rounding::normalising_power;
+use crate::rounding::scale_to_one;
 use recursion::solve;
 
 pub use recursion::RootList;
@@ -68,7 +68,7 @@ pub fn roots<const N: usize>(coefficients: [f64; N], tolerance: f64) -> RootList
     }
     // Away from the ends of the range nothing overflows in the derivatives or squares.
     if !(1e-90..=1e90).contains(&largest) {
-        let factor = normalising_power(largest);
+        let factor = scale_to_one(largest);
         padded = padded.map(|coefficient| coefficient * factor);
     }
     match N {

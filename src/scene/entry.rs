@@ -99,7 +99,7 @@ impl SceneEntry {
             body,
             summary: OnceLock::new(),
         };
-        entry.sum_up(None, arena);
+        entry.form_summary(None, arena);
         entry
     }
 
@@ -140,12 +140,12 @@ impl SceneEntry {
     ) -> Trajectory {
         let before = self.summary.take();
         std::mem::swap(&mut self.body.trajectory, &mut trajectory);
-        self.sum_up(before, arena);
+        self.form_summary(before, arena);
         trajectory
     }
 
     /// Computes the summary of a plan, in place of a previous one.
-    fn sum_up(
+    fn form_summary(
         &mut self,
         before: Option<Box<(MotionSummary, CompactStorage)>>,
         arena: &mut CubicArena,

@@ -17,15 +17,15 @@ pub(crate) struct PlaneHeights {
 }
 
 impl PlaneHeights {
-    /// Returns the half-space of a body between two instants (s), if it is one. `is_extended` tells that its plan alone
+    /// Returns the half-space of a body between two instants (s), if it is one. `needs_cubics` tells that its plan alone
     /// does not tell where it is then.
     pub(crate) fn of(
         body: u32,
-        (entry, is_extended): (&SceneEntry, bool),
+        (entry, needs_cubics): (&SceneEntry, bool),
         interval: (f64, f64),
     ) -> Option<Self> {
         let normal = entry.body.hitbox.normal()?;
-        let positions = PositionBox::of((entry, is_extended), interval);
+        let positions = PositionBox::of((entry, needs_cubics), interval);
         Some(Self {
             body,
             normal,
@@ -62,14 +62,14 @@ impl PositionBox {
     /// motions, or its plan alone.
     #[inline]
     pub(crate) fn of(
-        (entry, is_extended): (&SceneEntry, bool),
+        (entry, needs_cubics): (&SceneEntry, bool),
         (from, to): (f64, f64),
     ) -> Option<Self> {
         let plan = &entry.body.trajectory;
         let reach = entry.body.shape().reach();
         let motions = plan.straight_motions();
         if motions.is_empty() {
-            if is_extended {
+            if needs_cubics {
                 return None;
             }
             let plan = entry.summary().around();

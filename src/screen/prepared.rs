@@ -102,9 +102,9 @@ impl<'a> PreparedScene<'a> {
             half_spaces,
             survey,
         };
-        let (start, end) = prepared.survey.existence;
-        let existence = Window::new(start, end).ok();
-        match existence.and_then(|existence| existence.intersection(asked)) {
+        let (start, end) = prepared.survey.all_lifetimes;
+        let all_lifetimes = Window::new(start, end).ok();
+        match all_lifetimes.and_then(|all_lifetimes| all_lifetimes.intersection(asked)) {
             Some(window) => {
                 prepared.window = window;
                 let lives = std::mem::take(&mut prepared.survey.lives);

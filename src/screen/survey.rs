@@ -17,7 +17,7 @@ pub(super) struct SceneSurvey {
     /// Existence of each body, by place, and of all (first and last instant, s). A body that is part of no
     /// pair never exists.
     pub(super) lives: Vec<(f64, f64)>,
-    pub(super) existence: (f64, f64),
+    pub(super) all_lifetimes: (f64, f64),
     /// Approximate extremes of the plans of bodies that exist in the window, m.
     plans: DAabb,
     /// Approximate extremes of their motion beyond the plans, m.
@@ -38,7 +38,7 @@ impl SceneSurvey {
             window,
             margin,
             lives: vec![(0.0, 0.0); count],
-            existence: (f64::INFINITY, f64::NEG_INFINITY),
+            all_lifetimes: (f64::INFINITY, f64::NEG_INFINITY),
             plans: DAabb::NOTHING,
             beyond: DAabb::NOTHING,
             statistics: SceneStatistics {
@@ -75,7 +75,10 @@ impl SceneSurvey {
             return;
         }
         self.lives[place] = (first, last);
-        self.existence = (self.existence.0.min(first), self.existence.1.max(last));
+        self.all_lifetimes = (
+            self.all_lifetimes.0.min(first),
+            self.all_lifetimes.1.max(last),
+        );
         if first > self.window.end() || last < self.window.start() {
             return;
         }

@@ -27,7 +27,7 @@ pub(super) fn slice_intervals_of<'m, const MOVES: bool>(
 pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
     source: &'a CubicSource<'a, C>,
     slice_intervals: &'a [SliceInterval<MOVES>],
-    (ahead, first): (Ahead<'a, C>, impl FnOnce() -> usize),
+    (ahead, first): (PrefetchTarget<'a, C>, impl FnOnce() -> usize),
     put: &mut impl FnMut(usize, (FatLine, Aabb)),
 ) -> Option<usize> {
     if !exists(source, slice_intervals) {
@@ -40,7 +40,7 @@ pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
         return None;
     }
     let first = first();
-    Some(if source.knots.need_plan() {
+    Some(if source.knots.has_unlisted_cubics() {
         BodyWalk::<_, _, true>::new(source, slice_intervals, ahead, first).through_extended(put)
     } else {
         BodyWalk::<_, _, false>::new(source, slice_intervals, ahead, first).through(put)
@@ -73,7 +73,7 @@ pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Linear steps before the search halves the rest.
     const STEPS: usize = 8;
     let guess = guess as usize;
-    if knots.need_plan() {
+    if knots.has_unlisted_cubics() {
         return knots.count(|knot| knot < time).max(1) - 1;
     }
     let knots = knots.own();
@@ -91,10 +91,10 @@ pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
 /// Returns the last cubic that begins by `time`, from one that begins before it. Slices are closed:
 /// a cubic that begins at the slice's end counts with its first point.
 #[inline(always)]
-pub(super) fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
+pub(super) fn cubic_at<const UNLISTED: bool>(knots: &Knots<'_>, time: f64, number: usize) -> usize {
     /// Knots passed at once.
     const STEP: usize = 4;
-    if EXTENDED {
+    if UNLISTED {
         let later = (number + 1..knots.cubics()).take_while(|&next| knots.at(next) <= time);
         return number + later.count();
     }
@@ -110,25 +110,25 @@ pub(super) fn cubic_at<const EXTENDED: bool>(knots: &Knots<'_>, time: f64, numbe
 }
 
 /// The walk of one body through the slices of a block.
-struct BodyWalk<'a, C, const MOVES: bool, const EXTENDED: bool> {
+struct BodyWalk<'a, C, const MOVES: bool, const UNLISTED: bool> {
     source: &'a CubicSource<'a, C>,
     slice_intervals: &'a [SliceInterval<MOVES>],
-    ahead: Ahead<'a, C>,
+    ahead: PrefetchTarget<'a, C>,
     begin: usize,
 }
 
 /// A later body and the first of its plan's cubics to prefetch: one for each of this body's.
 /// None: nothing to prefetch.
-pub(super) type Ahead<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
+pub(super) type PrefetchTarget<'a, C> = Option<(&'a CubicSource<'a, C>, usize)>;
 
-impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
-    BodyWalk<'a, C, MOVES, EXTENDED>
+impl<'a, C: BoundingCubic, const MOVES: bool, const UNLISTED: bool>
+    BodyWalk<'a, C, MOVES, UNLISTED>
 {
     #[inline(always)]
     const fn new(
         source: &'a CubicSource<'a, C>,
         slice_intervals: &'a [SliceInterval<MOVES>],
-        ahead: Ahead<'a, C>,
+        ahead: PrefetchTarget<'a, C>,
         begin: usize,
     ) -> Self {
         Self {
@@ -148,14 +148,14 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
             // One more: it may go through more cubics than this one.
             later.fetch(first.wrapping_add(number - self.begin + 1));
         }
-        self.source.sub_cubic::<EXTENDED>(number)
+        self.source.sub_cubic::<UNLISTED>(number)
     }
 
     /// Adds the cubics from `next` to before `end` to a builder.
     #[inline(always)]
     fn follow_whole(&self, builder: &mut BoundsBuilder<MOVES>, mut next: usize, end: usize) {
         while next < end {
-            if let Some(after) = self.source.pass::<MOVES, EXTENDED>(builder, (next, end)) {
+            if let Some(after) = self.source.pass::<MOVES, UNLISTED>(builder, (next, end)) {
                 next = after;
             } else {
                 builder.follow_from_start(&self.sub_cubic(next));
@@ -189,7 +189,7 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const EXTENDED: bool>
                 continue;
             }
             let begin = number;
-            number = cubic_at::<EXTENDED>(knots, slice_interval.to, number);
+            number = cubic_at::<UNLISTED>(knots, slice_interval.to, number);
             let builder = if number == begin {
                 let (piece, after) = rest.split(slice_interval.to.min(rest.end()));
                 rest = after;

@@ -1,7 +1,7 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
 use super::body_walk::{
-    Ahead, MAX_SLICES, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk,
+    MAX_SLICES, PrefetchTarget, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk,
 };
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
@@ -120,12 +120,12 @@ impl SliceBounds {
     }
 
     /// One body of so many is part of a sample, on average.
-    pub(super) const SAMPLED_OF: u32 = 8;
+    pub(super) const ONE_IN: u32 = 8;
 
     /// Returns the boxes of a sample of the bodies, the same ones in every slice, whatever their order.
     pub(super) fn sample(&self) -> Self {
         // Multiples of the golden ratio fill the range of numbers evenly.
-        let is_sampled = |body: u32| body.wrapping_mul(0x9E37_79B9) <= u32::MAX / Self::SAMPLED_OF;
+        let is_sampled = |body: u32| body.wrapping_mul(0x9E37_79B9) <= u32::MAX / Self::ONE_IN;
         let mut sample = Self::default();
         for (one, &body) in self.boxes.iter().zip(&self.bodies) {
             if is_sampled(body) {
@@ -255,7 +255,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         &mut self,
         number: usize,
         slice_intervals: &[SliceInterval<MOVES>],
-    ) -> Ahead<'a, C> {
+    ) -> PrefetchTarget<'a, C> {
         let &place = self.present.get(number)?;
         let source = &self.sources[place as usize];
         let number_of_cubic = &mut self.block.cubic_numbers[place as usize];

@@ -315,7 +315,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         const TELLING: f64 = 64.0;
         /// Largest share of twice the candidates that counts as far fewer.
         const FEWER: f64 = 0.75;
-        let sampled = u64::from(SliceBounds::SAMPLED_OF);
+        let sampled = u64::from(SliceBounds::ONE_IN);
         let room = self.limits.candidates / (sampled * sampled);
         let mut count = |slice: &SliceBounds| {
             let (sample, mut candidates) = (slice.sample(), Vec::new());

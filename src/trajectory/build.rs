@@ -77,8 +77,8 @@ impl Trajectory {
             let duration = leaving[piece].time - leaving[piece - 1].time;
             Ok(Segment::line(state, duration, 0.0, knot)?.with_higher_terms(higher, duration))
         };
-        segments.put_beside(0, end(&leaving[0], 0, first_terms[0])?);
-        segments.put_beside(1, end(&arriving[last], last, last_terms[1])?);
+        segments.put_extra(0, end(&leaving[0], 0, first_terms[0])?);
+        segments.put_extra(1, end(&arriving[last], last, last_terms[1])?);
         let [before, after] = [Outside::Absent; 2];
         let lists = SegmentLists {
             knots,

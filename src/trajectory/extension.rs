@@ -26,7 +26,7 @@ pub(crate) struct Extension {
 
 impl Trajectory {
     /// Returns the time from the first to the last of the [knots of its pieces](Self::piece_knots); all of time without one.
-    pub(crate) fn own_domain(&self) -> Window {
+    pub(crate) fn listed_domain(&self) -> Window {
         let cuts = self.piece_knots();
         match (cuts.first(), cuts.last()) {
             (Some(&first), Some(&last)) => Window::new(first, last).unwrap_or(Window::ALL),
@@ -76,7 +76,7 @@ impl Trajectory {
     /// [`Error::OutOfRange`] where an extrapolated cubic leaves the range of numbers served;
     /// [`Error::TooFar`].
     pub(crate) fn extension(&self, window: Window) -> Result<Option<Extension>, Error> {
-        let own = self.own_domain();
+        let own = self.listed_domain();
         let is_own = own.start() < window.start() && window.end() < own.end();
         if is_own || !self.goes_beyond() {
             return Ok(None);
@@ -94,7 +94,7 @@ impl Trajectory {
             // The farthest piece is the first to leave the range of numbers.
             let end = self.cut_before(extension.before - 1);
             let segment = self.segment_before();
-            segment.check_range((extension.domain.0, end), 0)?;
+            segment.check_followable((extension.domain.0, end), 0)?;
         }
         self.lengthen(&mut extension, window.end())?;
         let is_own = extension.before == 0 && extension.after == 0;
@@ -112,7 +112,7 @@ impl Trajectory {
         let mut segment = None;
         for cut in self.cuts_after(end).skip(known as usize) {
             let segment = segment.get_or_insert_with(|| self.segment_after());
-            segment.check_range((from, cut), self.knots().len() - 1)?;
+            segment.check_followable((from, cut), self.knots().len() - 1)?;
             (after, from) = (after + 1, cut);
         }
         (extension.after, extension.domain.1) = (after, from);
@@ -126,7 +126,7 @@ impl Trajectory {
     /// counts as well. After a splice that piece may be at another position, and an instant may
     /// round to the knot.
     fn cuts_before(&self, start: f64) -> DoublingCuts {
-        if self.outside_before() == Outside::Absent || start > self.own_domain().start() {
+        if self.outside_before() == Outside::Absent || start > self.listed_domain().start() {
             return DoublingCuts::NONE;
         }
         let until = start.next_down().max(f64::MIN);
@@ -137,10 +137,8 @@ impl Trajectory {
     /// Returns the cuts after the last knot up to the first one at or beyond a window's end (s);
     /// none if the window ends earlier.
     fn cuts_after(&self, end: f64) -> DoublingCuts {
-        let last = self.own_domain().end();
-        // With a single knot there is no cubic: one piece is needed at least, whatever the window.
-        if self.outside_after() == Outside::Absent || !(self.piece_knots().len() < 2 || end >= last)
-        {
+        let last = self.listed_domain().end();
+        if self.outside_after() == Outside::Absent || end < last {
             return DoublingCuts::NONE;
         }
         let until = end.max(last).next_up().min(f64::MAX);
@@ -155,7 +153,7 @@ impl Trajectory {
         let step = end.start() - end.end();
         match self.straight() {
             Some((motion, _)) => (motion.start(), step, 1),
-            None => (self.own_domain().start(), step, 0),
+            None => (self.listed_domain().start(), step, 0),
         }
     }
 
@@ -171,7 +169,7 @@ impl Trajectory {
         };
         match (self.piece_knots(), self.knots()) {
             (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, step, 1),
-            _ => (self.own_domain().end(), step, 0),
+            _ => (self.listed_domain().end(), step, 0),
         }
     }
 }

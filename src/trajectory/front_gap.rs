@@ -7,20 +7,20 @@ use std::ops::Deref;
 /// Spare places in front: for the usual remainder of the previous plan, and one more.
 const ROOM: usize = 2;
 
-/// A vector that begins at `first`, with spare places in front of it and `BESIDE` other values in
+/// A vector that begins at `first`, with spare places in front of it and `EXTRA` other values in
 /// the same allocation.
 #[derive(Clone, Debug)]
-pub(super) struct FrontGapVec<T, const BESIDE: usize = 0> {
-    /// The values beside the list come first.
+pub(super) struct FrontGapVec<T, const EXTRA: usize = 0> {
+    /// The extra values come first.
     all: Vec<T>,
     first: usize,
 }
 
-impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
-    /// Returns an empty list with capacity for `count` entries. The values beside it must be
-    /// [set](Self::put_beside) once it has an entry.
+impl<T: Copy, const EXTRA: usize> FrontGapVec<T, EXTRA> {
+    /// Returns an empty list with capacity for `count` entries. The extra values must be
+    /// [set](Self::put_extra) once it has an entry.
     pub(super) fn with_capacity(count: usize) -> Self {
-        let first = BESIDE + ROOM;
+        let first = EXTRA + ROOM;
         Self {
             all: Vec::with_capacity(first + count),
             first,
@@ -28,11 +28,11 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
     }
 
     /// Returns a copy of a list, with spare places in front.
-    pub(super) fn new(list: &[T], beside: &[T; BESIDE]) -> Self {
-        let mut all = Vec::with_capacity(BESIDE + ROOM + list.len());
-        all.extend_from_slice(beside);
+    pub(super) fn new(list: &[T], extra: &[T; EXTRA]) -> Self {
+        let mut all = Vec::with_capacity(EXTRA + ROOM + list.len());
+        all.extend_from_slice(extra);
         // The spare places are never read.
-        if let Some(&any) = beside.first().or(list.first()) {
+        if let Some(&any) = extra.first().or(list.first()) {
             all.extend(repeat_n(any, ROOM));
         }
         let first = all.len();
@@ -54,12 +54,12 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
         }
     }
 
-    pub(super) fn beside(&self) -> &[T] {
-        &self.all[..BESIDE]
+    pub(super) fn extra(&self) -> &[T] {
+        &self.all[..EXTRA]
     }
 
-    pub(super) fn put_beside(&mut self, place: usize, value: T) {
-        self.all[..BESIDE][place] = value;
+    pub(super) fn put_extra(&mut self, place: usize, value: T) {
+        self.all[..EXTRA][place] = value;
     }
 
     /// Replaces the first `replaced` entries by `count` new ones.
@@ -70,14 +70,14 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
         new: impl Iterator<Item = T>,
     ) {
         let rest = self.first + replaced;
-        if BESIDE + count <= rest {
+        if EXTRA + count <= rest {
             self.first = rest - count;
             for (entry, new) in self.all[self.first..rest].iter_mut().zip(new) {
                 *entry = new;
             }
         } else {
-            self.first = BESIDE;
-            self.all.splice(BESIDE..rest, new.take(count));
+            self.first = EXTRA;
+            self.all.splice(EXTRA..rest, new.take(count));
         }
     }
 
@@ -92,12 +92,12 @@ impl<T: Copy, const BESIDE: usize> FrontGapVec<T, BESIDE> {
     }
 
     pub(super) fn drop_front(&mut self, count: usize) {
-        self.all.drain(BESIDE..self.first + count);
-        self.first = BESIDE;
+        self.all.drain(EXTRA..self.first + count);
+        self.first = EXTRA;
     }
 }
 
-impl<T, const BESIDE: usize> Deref for FrontGapVec<T, BESIDE> {
+impl<T, const EXTRA: usize> Deref for FrontGapVec<T, EXTRA> {
     type Target = [T];
 
     fn deref(&self) -> &[T] {
@@ -105,9 +105,9 @@ impl<T, const BESIDE: usize> Deref for FrontGapVec<T, BESIDE> {
     }
 }
 
-impl<T: Copy + PartialEq, const BESIDE: usize> PartialEq for FrontGapVec<T, BESIDE> {
+impl<T: Copy + PartialEq, const EXTRA: usize> PartialEq for FrontGapVec<T, EXTRA> {
     fn eq(&self, other: &Self) -> bool {
-        **self == **other && self.beside() == other.beside()
+        **self == **other && self.extra() == other.extra()
     }
 }
 
@@ -119,8 +119,8 @@ mod tests {
     fn equals_a_plain_list_whatever_is_replaced_and_dropped() {
         let mut roomy = FrontGapVec::<usize, 2>::with_capacity(4);
         (0..4).for_each(|entry| roomy.push(entry));
-        roomy.put_beside(0, 70);
-        roomy.put_beside(1, 71);
+        roomy.put_extra(0, 70);
+        roomy.put_extra(1, 71);
         let mut plain = vec![0, 1, 2, 3];
         let memory = roomy.all.as_ptr();
         // Within the room, beyond it, and back.
@@ -128,13 +128,13 @@ mod tests {
             let new = 10 * count..11 * count;
             roomy.replace_front(replaced, count, new.clone());
             plain.splice(..replaced, new);
-            assert_eq!((&*roomy, roomy.beside()), (&plain[..], &[70, 71][..]));
+            assert_eq!((&*roomy, roomy.extra()), (&plain[..], &[70, 71][..]));
             if plain.len() == 6 {
                 assert_eq!(roomy.all.as_ptr(), memory, "there was room");
             }
         }
         roomy.drop_front(3);
-        assert_eq!((&*roomy, roomy.beside()), (&plain[3..], &[70, 71][..]));
+        assert_eq!((&*roomy, roomy.extra()), (&plain[3..], &[70, 71][..]));
         assert_eq!(roomy, FrontGapVec::new(&plain[3..], &[70, 71]));
         assert_ne!(roomy, FrontGapVec::new(&plain[3..], &[70, 72]));
     }

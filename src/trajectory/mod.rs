@@ -177,7 +177,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(motion, _) => motion.segment(),
             Storage::Recent(recent) => recent.motions()[0].segment(),
-            Storage::Lists(lists) => lists.segments.beside()[0],
+            Storage::Lists(lists) => lists.segments.extra()[0],
         }
     }
 
@@ -186,7 +186,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(motion, _) => motion.segment(),
             Storage::Recent(recent) => recent.last().segment(),
-            Storage::Lists(lists) => lists.segments.beside()[1],
+            Storage::Lists(lists) => lists.segments.extra()[1],
         }
     }
 
@@ -226,7 +226,7 @@ impl Trajectory {
     /// ```
     #[must_use]
     pub fn domain(&self) -> Window {
-        let (own, all) = (self.own_domain(), Window::ALL);
+        let (own, all) = (self.listed_domain(), Window::ALL);
         let or_ever = |outside, knot, ever| match outside {
             Outside::Absent => knot,
             Outside::Extrapolate | Outside::Coast => ever,

@@ -57,7 +57,7 @@ impl RecentMotions {
             *motion = StraightMotion::of(segment)?;
         }
         recent.piece_knots[..=pieces].copy_from_slice(&lists.knots);
-        let [before, after] = lists.segments.beside() else {
+        let [before, after] = lists.segments.extra() else {
             return None;
         };
         let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
@@ -197,7 +197,7 @@ impl RecentMotions {
         let pieces = self.pieces() + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let end = cut_after(from, motion, 1);
-        let is_piece = end > from && motion.check_range((from, end), 0).is_ok();
+        let is_piece = end > from && motion.check_followable((from, end), 0).is_ok();
         let replacement = Replacement {
             dropped,
             kept: pieces - dropped,

@@ -6,7 +6,7 @@ pub(crate) use restriction::Restriction;
 
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{
-    UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, normalising_power, without_negative_zero,
+    UNDERFLOW, UNIT_ROUNDOFF, largest_norm, norm, scale_to_one, without_negative_zero,
 };
 use crate::trajectory::state::State;
 use glam::DVec3;
@@ -97,7 +97,7 @@ impl Segment {
         let third = (duration / 3.0)
             .max(2.0 * f64::EPSILON * state.time.abs())
             .max(f64::MIN_POSITIVE / f64::EPSILON);
-        let third = 1.0 / normalising_power(third.min(MAX_MAGNITUDE));
+        let third = 1.0 / scale_to_one(third.min(MAX_MAGNITUDE));
         Self::through(state, state.time + 3.0 * third, error).checked(knot)
     }
 

@@ -13,7 +13,7 @@ use std::iter::once;
 pub(super) struct SegmentLists {
     /// Knots, s: one more than segments.
     pub(super) knots: FrontGapVec<f64>,
-    /// Segments between the knots; beside them, the end motions before and after. The one before is the first cubic
+    /// Segments between the knots; as extra values, the end motions before and after. The one before is the first cubic
     /// of a plan that has lost its beginning.
     pub(super) segments: FrontGapVec<Segment, 2>,
     pub(super) before: Outside,
@@ -51,12 +51,12 @@ impl SegmentLists {
 
     /// Takes the first piece after the last knot into the lists, if the plan coasts there.
     pub(super) fn add_piece_after(&mut self) {
-        let end_motion = self.segments.beside()[1].straight();
+        let end_motion = self.segments.extra()[1].straight();
         let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
             return;
         };
         let cut = DoublingCuts::cut(last, end_motion.end() - end_motion.start(), 1);
-        let is_piece = cut > last && end_motion.check_range((last, cut), 0).is_ok();
+        let is_piece = cut > last && end_motion.check_followable((last, cut), 0).is_ok();
         if is_piece && !self.has_piece_after {
             self.knots.push(cut);
             self.segments.push(end_motion);
@@ -75,7 +75,7 @@ impl SegmentLists {
     /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does.
     pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         self.drop_piece_after();
-        let end_motion = self.segments.beside()[1].straight();
+        let end_motion = self.segments.extra()[1].straight();
         let step = end_motion.end() - end_motion.start();
         let last = self.knots[self.knots.len() - 1];
         let cuts = DoublingCuts::of(last, step, from).but_last();
@@ -83,7 +83,7 @@ impl SegmentLists {
             self.segments.push(end_motion);
             self.knots.push(knot);
         }
-        self.segments.put_beside(1, motion.segment());
+        self.segments.put_extra(1, motion.segment());
         self.forget_before(since);
         self.add_piece_after();
     }
@@ -104,7 +104,7 @@ impl SegmentLists {
     pub(super) fn begin_anew(&mut self) {
         self.before = Outside::Absent;
         let first = self.segments[0];
-        self.segments.put_beside(0, first);
+        self.segments.put_extra(0, first);
     }
 }
 

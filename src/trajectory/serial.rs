@@ -78,7 +78,7 @@ impl TryFrom<Numbers> for Trajectory {
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
-            segment.check_range((ends[0], ends[1]), knot)?;
+            segment.check_followable((ends[0], ends[1]), knot)?;
         }
         let is_line = last == 0
             && outside == [Outside::Coast; 2]

@@ -125,13 +125,13 @@ impl Trajectory {
         let beyond = (cut > old_segments.len()).then(|| old.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, old_knots.last()) {
-            end_motion.check_range((last, from), old_knots.len() - 1)?;
+            end_motion.check_followable((last, from), old_knots.len() - 1)?;
             cuts_after = DoublingCuts::of(last, end_motion.end() - end_motion.start(), from);
         }
         let mut cuts_before = DoublingCuts::NONE;
         if let (0, Some(&first)) = (knots_before, self.knots().first()) {
             let end_motion = self.segment_before();
-            end_motion.check_range((from, first), 0)?;
+            end_motion.check_followable((from, first), 0)?;
             cuts_before = DoublingCuts::of(first, self.doubling_before().1, from);
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
@@ -169,7 +169,7 @@ impl Trajectory {
         let is_line = self.straight().is_some();
         let lists = self.as_lists();
         lists.drop_piece_after();
-        lists.segments.put_beside(0, before);
+        lists.segments.put_extra(0, before);
         lists.before = old.outside_before();
         lists.segments.replace_front(
             knots_before.min(lists.segments.len()),
@@ -210,17 +210,17 @@ impl Trajectory {
         }
         let number = self.knots().len();
         let is_known = match &self.storage {
-            Storage::Recent(recent) => recent.last().check_range((last, from), number - 1),
+            Storage::Recent(recent) => recent.last().check_followable((last, from), number - 1),
             _ => {
                 let straight = self.end_motion_after().straight();
-                straight.check_range((last, from), number - 1)
+                straight.check_followable((last, from), number - 1)
             }
         };
         let mut reached = from;
         is_known.is_ok()
             && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
                 let piece = (std::mem::replace(&mut reached, cut), cut);
-                motion.check_range(piece, number).is_ok()
+                motion.check_followable(piece, number).is_ok()
             })
     }
 
@@ -273,7 +273,7 @@ impl Trajectory {
                 Storage::Straight(own, _) => own.is_same_as(motion),
                 Storage::Recent(recent) => recent.last().is_same_as(motion),
                 Storage::Lists(lists) => {
-                    let own = lists.segments.beside()[1].straight();
+                    let own = lists.segments.extra()[1].straight();
                     let is_same = |own: StraightMotion| own.is_same_as(motion);
                     lists.after == Outside::Coast && StraightMotion::of(&own).is_some_and(is_same)
                 }
@@ -308,7 +308,7 @@ impl Trajectory {
             Storage::Recent(recent) => prefetch(from_ref(&**recent)),
             Storage::Lists(lists) => {
                 prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
-                prefetch(lists.segments.beside());
+                prefetch(lists.segments.extra());
                 prefetch(&lists.segments[..lists.segments.len().min(2)]);
             }
         }
@@ -378,9 +378,9 @@ mod tests {
                 _ => plan(&[now + 2.0], Outside::Coast),
             };
             let mut spliced = next.clone();
-            let memory = spliced.as_lists().segments.beside().as_ptr();
+            let memory = spliced.as_lists().segments.extra().as_ptr();
             assert!(spliced.precede_by(&old, now, now).is_ok());
-            let kept = spliced.as_lists().segments.beside().as_ptr();
+            let kept = spliced.as_lists().segments.extra().as_ptr();
             assert_eq!(kept, memory, "{now}");
             old = spliced;
         }

@@ -69,7 +69,7 @@ impl StraightMotion {
     pub(super) const DURATION: f64 = 6.0;
 
     /// Returns true if the motion can certainly be followed between two instants (s): all numbers are far below
-    /// the limits of [`Segment::check_range`].
+    /// the limits of [`Segment::check_followable`].
     #[inline]
     pub(super) fn is_near(&self, from: f64, to: f64) -> bool {
         const LONG: f64 = 1e12;
@@ -83,12 +83,16 @@ impl StraightMotion {
     ///
     /// # Errors
     ///
-    /// As [`Segment::check_range`].
-    pub(super) fn check_range(&self, (from, to): (f64, f64), knot: usize) -> Result<(), Error> {
+    /// As [`Segment::check_followable`].
+    pub(super) fn check_followable(
+        &self,
+        (from, to): (f64, f64),
+        knot: usize,
+    ) -> Result<(), Error> {
         if self.is_near(from, to) {
             return Ok(());
         }
-        self.segment().check_range((from, to), knot)
+        self.segment().check_followable((from, to), knot)
     }
 
     /// Returns the motion whose cubic this is, if there is one.
@@ -213,7 +217,7 @@ mod tests {
             if motion.is_near(from, to) {
                 near += 1;
                 assert!(
-                    line.check_range((from, to), 0).is_ok(),
+                    line.check_followable((from, to), 0).is_ok(),
                     "{state:?} {from} {to}"
                 );
             }

@@ -153,7 +153,7 @@ fn strays_of_runs_are_rounded_outward() {
         let mut builder =
             BoundsBuilder::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &SliceInterval::new(1.0, 1.0));
         (builder.least, builder.most) = (Vec4::splat(-deviation), Vec4::splat(deviation));
-        let run = builder.sum_up(Vec4::splat(end)).unpack(1.0);
+        let run = builder.finish_run(Vec4::splat(end)).unpack(1.0);
         let exact = number(f64::from(deviation)) + number(f64::from(end));
         assert!(
             number(f64::from(run.deviation.x)) >= exact,
@@ -214,7 +214,7 @@ fn runs_of_no_duration_stray_as_far_as_both_ends() {
         to: 1.0,
     };
     let builder = BoundsBuilder::between(&piece, &piece, &SliceInterval::new(1.0, 1.0));
-    let run = builder.sum_up(points[3]).unpack(1.0);
+    let run = builder.finish_run(points[3]).unpack(1.0);
     let farthest = (run.end.x - points[0].x).max(points[3].x - run.start.x);
     assert!(run.deviation.x >= farthest, "{farthest}");
 }

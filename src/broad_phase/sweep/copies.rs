@@ -1,6 +1,6 @@
 //! Copies of a box in the rows that it reaches.
 
-use super::layout::GridLayout;
+use super::layout::RowLayout;
 use super::quantizer::{QuantizedBox, axis_part};
 
 /// The box of a record, and whether the box starts in the record's row.
@@ -27,7 +27,7 @@ impl RecordSource {
 
 /// Returns the number of rows, besides the first, that a box reaches on each axis of rows.
 #[inline(always)]
-pub(super) fn spans(packed: &QuantizedBox, layout: &GridLayout) -> [u32; 2] {
+pub(super) fn spans(packed: &QuantizedBox, layout: &RowLayout) -> [u32; 2] {
     let [first, second] = layout.across;
     let rows = layout.rows;
     [
@@ -53,7 +53,7 @@ pub(super) struct ExtraCells {
 
 impl ExtraCells {
     #[inline(always)]
-    pub(super) fn of(packed: &QuantizedBox, layout: &GridLayout) -> Self {
+    pub(super) fn of(packed: &QuantizedBox, layout: &RowLayout) -> Self {
         let cell = packed.cell as usize;
         let [lines, span] = spans(packed, layout);
         Self {

@@ -4,7 +4,7 @@ use super::quantizer::STEPS;
 
 /// The grid into which boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct GridLayout {
+pub(super) struct RowLayout {
     /// The axis swept along.
     pub(super) sweep: usize,
     /// The axes divided into rows.
@@ -19,7 +19,7 @@ pub(super) struct GridLayout {
     pub(super) comparisons: f64,
 }
 
-impl GridLayout {
+impl RowLayout {
     /// Nanoseconds to sort one copy of a box, and to compare it with the 16 that follow, measured
     /// on 10,000 boxes of the benchmarks' swarm. Only their ratio matters.
     const COPY: f64 = 7.0;

@@ -22,7 +22,7 @@ mod rows;
 mod sample;
 
 use self::compare_all::CompareAll;
-use self::layout::GridLayout;
+use self::layout::RowLayout;
 use self::partition::Partition;
 use self::quantizer::Quantizer;
 use self::region::Region;
@@ -115,7 +115,7 @@ impl Sweep {
         if self.sample.set_planes_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
             return self.find_in_parts(region, depth, filter, candidates);
         }
-        let layout = GridLayout::choose(boxes.len(), self.sample.shares());
+        let layout = RowLayout::choose(boxes.len(), self.sample.shares());
         let comparisons = self.sort(boxes, layout, filter);
         let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
         if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
@@ -131,7 +131,7 @@ impl Sweep {
 
     /// Sorts boxes into rows, and by their groups where that leaves out many comparisons; returns the number of those that
     /// a sweep makes.
-    fn sort(&mut self, boxes: &[BodyBox], layout: GridLayout, filter: &dyn PairFilter) -> u64 {
+    fn sort(&mut self, boxes: &[BodyBox], layout: RowLayout, filter: &dyn PairFilter) -> u64 {
         let quantizer = Quantizer::new(self.sample.ranges());
         let count = boxes.len() as f64;
         let groups = filter.groups();

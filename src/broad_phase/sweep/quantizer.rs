@@ -7,8 +7,8 @@ pub(super) const STEPS: u32 = 1 << 16;
 
 /// An order-preserving map of each axis onto 16-bit integers.
 ///
-/// Every operation of [`grid`](Self::grid) is monotone. Subtraction, multiplication by a positive
-/// number, clamping and rounding never turn `v <= w` into `grid(v) > grid(w)`, overflow to infinity
+/// Every operation of [`quantized`](Self::quantized) is monotone. Subtraction, multiplication by a positive
+/// number, clamping and rounding never turn `v <= w` into `quantized(v) > quantized(w)`, overflow to infinity
 /// included. So if two boxes overlap, `a.low <= b.high` holds in grid coordinates too. A grid box
 /// needs no outward rounding, and values outside the range may be clamped. The choice of range
 /// cannot lose a pair; it only decides how many are found in vain.
@@ -57,7 +57,7 @@ impl Quantizer {
 
     /// Returns the grid coordinates of both corners, in the map's lanes.
     #[inline(always)]
-    pub(super) fn grid(&self, aabb: &Aabb) -> [u16; 8] {
+    pub(super) fn quantized(&self, aabb: &Aabb) -> [u16; 8] {
         let (low, high) = (aabb.mins, aabb.maxs);
         let metres = [low.x, low.y, low.z, high.x, high.y, high.z, 0.0, 0.0];
         let mut steps = [0_u16; 8];
@@ -88,8 +88,8 @@ fn lowest_bits(number: f32) -> u16 {
 /// Returns the number of the part, of `parts` equal ones of an axis, that contains a grid
 /// coordinate; keeps the order.
 #[inline(always)]
-pub(super) fn axis_part(grid: u16, parts: u32) -> u32 {
-    (u32::from(grid) * parts) >> 16
+pub(super) fn axis_part(quantized: u16, parts: u32) -> u32 {
+    (u32::from(quantized) * parts) >> 16
 }
 
 #[cfg(test)]
@@ -128,9 +128,16 @@ mod tests {
             let mut last = 0;
             for &number in &numbers {
                 let corner = Vector::splat(number);
-                let grid = scale.grid(&Aabb::new(corner, corner));
-                let axes = [grid[0], grid[1], grid[2], grid[3], grid[4], grid[5]];
-                assert!(axes.iter().all(|&step| step == axes[0]), "{grid:?}");
+                let quantized = scale.quantized(&Aabb::new(corner, corner));
+                let axes = [
+                    quantized[0],
+                    quantized[1],
+                    quantized[2],
+                    quantized[3],
+                    quantized[4],
+                    quantized[5],
+                ];
+                assert!(axes.iter().all(|&step| step == axes[0]), "{quantized:?}");
                 assert!(axes[0] >= last, "{number} in {range:?}");
                 last = axes[0];
             }
@@ -140,12 +147,12 @@ mod tests {
     #[test]
     fn a_range_fills_the_grid() {
         let scale = Quantizer::new([(-2.0, 6.0); 3]);
-        let grid = scale.grid(&Aabb::new(Vector::splat(-2.0), Vector::splat(6.0)));
-        assert_eq!([grid[0], grid[3]], [0, 65_535]);
-        let grid = scale.grid(&Aabb::new(Vector::splat(2.0), Vector::splat(100.0)));
+        let quantized = scale.quantized(&Aabb::new(Vector::splat(-2.0), Vector::splat(6.0)));
+        assert_eq!([quantized[0], quantized[3]], [0, 65_535]);
+        let quantized = scale.quantized(&Aabb::new(Vector::splat(2.0), Vector::splat(100.0)));
         // The middle is half a step from two numbers.
-        assert!((32_767..=32_768).contains(&grid[0]));
-        assert_eq!(grid[3], 65_535);
+        assert!((32_767..=32_768).contains(&quantized[0]));
+        assert_eq!(quantized[3], 65_535);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Counting sort of boxes into rows, and by bins within a row.
 
 use super::copies::{ExtraCells, RecordSource, spans};
-use super::layout::GridLayout;
+use super::layout::RowLayout;
 use super::quantizer::{QuantizedBox, Quantizer, axis_part};
 use super::sample::scattered;
 use crate::broad_phase::{BodyBox, Groups};
@@ -104,7 +104,7 @@ pub(super) struct SortIntoRows<'a> {
     /// The group of each box, if there are several.
     pub(super) group_of: &'a [u8],
     pub(super) quantizer: &'a Quantizer,
-    pub(super) layout: GridLayout,
+    pub(super) layout: RowLayout,
     pub(super) rows: &'a mut SortedRows,
 }
 
@@ -152,7 +152,7 @@ fn pack<const GROUPED: bool>(
     boxes: &[BodyBox],
     group_of: &[u8],
     quantizer: &Quantizer,
-    layout: &GridLayout,
+    layout: &RowLayout,
     rows: &mut SortedRows,
 ) {
     let SortedRows { packed, spread, .. } = rows;
@@ -169,10 +169,10 @@ fn pack<const GROUPED: bool>(
     // Loops instead of iterators with closures: a closure that is not inlined is compiled without
     // the set's instructions.
     for ((number, one), packed) in (0..).zip(boxes).zip(packed.iter_mut()) {
-        let grid = quantizer.grid(&one.aabb);
+        let quantized = quantizer.quantized(&one.aabb);
         let mut place = [0; 8];
         for lane in 0..8 {
-            place[lane] = axis_part(grid[lane], parts[lane]);
+            place[lane] = axis_part(quantized[lane], parts[lane]);
         }
         let (outer, inner) = (place[first], place[second]);
         let mut group_row = outer * layout.rows[1] + inner;
@@ -180,8 +180,8 @@ fn pack<const GROUPED: bool>(
             group_row = group_row * layout.groups + u32::from(group_of[number as usize]);
         }
         *packed = QuantizedBox {
-            low: [grid[0], grid[1], grid[2]],
-            high: [grid[3], grid[4], grid[5]],
+            low: [quantized[0], quantized[1], quantized[2]],
+            high: [quantized[3], quantized[4], quantized[5]],
             cell: group_row * layout.bins + place[layout.sweep],
         };
         // Written in any case, kept where it spans: whether it does cannot be predicted.
@@ -194,7 +194,7 @@ fn pack<const GROUPED: bool>(
 
 /// Returns the number of copies besides those in the cells of low corners.
 #[inline(always)]
-fn further_copies(layout: &GridLayout, rows: &SortedRows) -> u64 {
+fn further_copies(layout: &RowLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
     for &number in &rows.spread {
         let spans = spans(&rows.packed[number as usize], layout);
@@ -205,7 +205,7 @@ fn further_copies(layout: &GridLayout, rows: &SortedRows) -> u64 {
 
 /// Counts the copies of each cell.
 #[inline(always)]
-fn count(layout: &GridLayout, rows: &mut SortedRows) {
+fn count(layout: &RowLayout, rows: &mut SortedRows) {
     let SortedRows {
         packed,
         spread,
@@ -237,7 +237,7 @@ fn starts_from_counts(cells: &mut [u32]) -> usize {
 
 /// Writes every copy to its place; the starts of cells become their ends.
 #[inline(always)]
-fn scatter(layout: &GridLayout, rows: &mut SortedRows, count: usize) {
+fn scatter(layout: &RowLayout, rows: &mut SortedRows, count: usize) {
     let SortedRows {
         packed,
         spread,
@@ -263,7 +263,7 @@ fn scatter(layout: &GridLayout, rows: &mut SortedRows, count: usize) {
 
 /// Writes the faces of all records to their arrays, and their successors; returns the number of comparisons.
 #[inline(always)]
-fn unfold<const GROUPED: bool>(layout: &GridLayout, groups: Groups, rows: &mut SortedRows) -> u64 {
+fn unfold<const GROUPED: bool>(layout: &RowLayout, groups: Groups, rows: &mut SortedRows) -> u64 {
     let SortedRows {
         packed,
         cell_ends,
@@ -340,7 +340,7 @@ mod tests {
     use super::*;
     use crate::simd::InstructionSet;
 
-    const LAYOUT: GridLayout = GridLayout {
+    const LAYOUT: RowLayout = RowLayout {
         sweep: 1,
         across: [0, 2],
         rows: [4, 8],

@@ -40,7 +40,7 @@ pub(super) struct BoxTree {
     /// True if the boxes around nodes are formed. Else they wait for [`fit`](Self::fit), and nobody searches.
     is_fitted: bool,
     /// Number of times that all bodies were put in order: names the current order.
-    orders: u32,
+    resort_count: u32,
     /// Cost of searches for free lanes since all bodies were put in order, and number of boxes replaced in their lanes.
     /// If it grows beyond the number of lanes, all are put in order again.
     disorder: usize,
@@ -105,14 +105,14 @@ impl BoxTree {
     }
 
     /// Returns the number of leaves. What is in them stays there as long as
-    /// [`orders`](Self::orders) stays the same, but for bodies that are moved, inserted or removed.
+    /// [`resort_count`](Self::resort_count) stays the same, but for bodies that are moved, inserted or removed.
     pub(super) fn leaves(&self) -> usize {
         self.slot_at.len() / WIDTH
     }
 
     /// Returns how often all bodies were given other lanes.
-    pub(super) const fn orders(&self) -> u32 {
-        self.orders
+    pub(super) const fn resort_count(&self) -> u32 {
+        self.resort_count
     }
 
     /// Calls `visit` with the box of each body in some leaves.
@@ -164,7 +164,7 @@ impl BoxTree {
         self.sorted = sorted;
         self.fit();
         self.disorder = 0;
-        self.orders = self.orders.wrapping_add(1);
+        self.resort_count = self.resort_count.wrapping_add(1);
     }
 
     /// Lays empty levels above this many leaves.
@@ -247,7 +247,7 @@ mod tests {
                 let slot = rng.random_range(0..plain.len());
                 let new = rng.random_bool(0.8).then(|| random_box(&mut rng));
                 plain[slot] = new;
-                let (order, body) = (boxes.orders(), short(slot));
+                let (order, body) = (boxes.resort_count(), short(slot));
                 let leaf = |boxes: &BoxTree, slot: u32| boxes.index(slot).map(|at| at / WIDTH);
                 let leaves: Vec<_> = (0..1000).map(|slot| leaf(&boxes, slot)).collect();
                 match new {
@@ -262,7 +262,7 @@ mod tests {
                 let stayed = (0..1000)
                     .zip(leaves)
                     .all(|(other, before)| other == body || leaf(&boxes, other) == before);
-                assert!(stayed || boxes.orders() != order);
+                assert!(stayed || boxes.resort_count() != order);
                 reordered += u32::from(!stayed);
             }
             boxes.replace(&replaced);

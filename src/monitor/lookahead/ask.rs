@@ -59,7 +59,7 @@ impl LookaheadSearch {
                 }
             }
             // A span is solved as a whole, and once, in however many slices it is.
-            near.sort_unstable_by_key(|span| (span.a, span.b));
+            near.sort_unstable_by_key(|span| (span.cubic_a, span.cubic_b));
             near.dedup();
             found.clear();
             contacts(a, b, near.iter().copied(), margin, window, &mut found);

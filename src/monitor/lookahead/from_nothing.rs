@@ -25,7 +25,7 @@ impl LookaheadSearch {
 
     /// Searches the time that the clock passed over. Returns the instant at which the search had to stop, s; none if it
     /// is done.
-    pub(super) fn cross(
+    pub(super) fn search_jump(
         &mut self,
         (from, to): (f64, f64),
         work: &mut TickWork<'_>,
@@ -37,7 +37,8 @@ impl LookaheadSearch {
         let window = ((from, to), work.meter.threads());
         let (bodies, _) = PreparedBodies::in_window(table, limits, pool, window);
         let times = (from, to, self.grid.length);
-        self.jump.cross(times, &bodies, work, &mut self.survivors)
+        self.jump
+            .search_jump(times, &bodies, work, &mut self.survivors)
     }
 
     /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change

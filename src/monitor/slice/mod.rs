@@ -55,7 +55,7 @@ impl LookaheadSlice {
         self.has_exceeded_limit = false;
         self.is_put_off = false;
         self.survivors.clear();
-        self.unsearched_from = None;
+        self.search_from = None;
         self.query_index = OnceLock::new();
         self.changed.clear();
     }
@@ -66,7 +66,7 @@ impl LookaheadSlice {
         self.stats.slices += u64::from(!self.stage.is_compared());
         self.begin(self.number, self.interval);
         self.stage = stage;
-        self.unsearched_from = Some(until).filter(|&until| until < self.interval.1);
+        self.search_from = Some(until).filter(|&until| until < self.interval.1);
     }
 
     /// Drops the work done for the slice until it is needed: there is no room.
@@ -89,7 +89,7 @@ impl LookaheadSlice {
         let is_compared = self.stage.is_compared()
             && self.changed.slots().is_empty()
             && self.refined == self.candidates.len();
-        let until = self.unsearched_from.filter(|_| is_compared);
+        let until = self.search_from.filter(|_| is_compared);
         until.unwrap_or(self.interval.0)
     }
 
@@ -105,7 +105,7 @@ impl LookaheadSlice {
 
     /// Notes that a share of the work (0 to 1) is due, before the slice is needed. Boxes are placed in the order of
     /// the tree of the slice before: in most scenes bodies have the same neighbours in both.
-    pub(super) fn foresee(&mut self, share: f64, before: &Self) {
+    pub(super) fn set_due_ahead(&mut self, share: f64, before: &Self) {
         if self.is_put_off {
             return;
         }
@@ -158,13 +158,15 @@ impl LookaheadSlice {
                 self.due < 1.0 && slots >= due && slots < bodies.monitored.len()
             }
             BuildStage::Joining(leaves, order) => {
-                self.due < 1.0 && leaves >= self.due_leaves() && order == self.index.boxes.orders()
+                self.due < 1.0
+                    && leaves >= self.due_leaves()
+                    && order == self.index.boxes.resort_count()
             }
             BuildStage::Compared(_) | BuildStage::Built => true,
         };
         is_there
             && self.changed.slots().is_empty()
-            && self.unsearched_from.is_none()
+            && self.search_from.is_none()
             && self.refined == self.candidates.len()
     }
 
@@ -266,7 +268,7 @@ impl LookaheadSlice {
     fn find_candidates(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
         self.candidates.clear();
         self.refined = 0;
-        if let Some(from) = self.unsearched_from {
+        if let Some(from) = self.search_from {
             return self.search_next_part(from, task);
         }
         let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
@@ -279,7 +281,7 @@ impl LookaheadSlice {
             self.stage = BuildStage::Built;
             self.boxed = Vec::new();
             self.changed.clear();
-            self.unsearched_from = Some(self.interval.0);
+            self.search_from = Some(self.interval.0);
         }
         self.stats.candidates += self.candidates.len() as u64;
         boxes
@@ -318,7 +320,7 @@ impl LookaheadSlice {
             }
             BuildStage::Placing(_) => {
                 self.index.boxes.fit();
-                self.stage = BuildStage::Joining(0, self.index.boxes.orders());
+                self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());
                 0
             }
             BuildStage::Joining(leaves, order) if self.changed.slots().is_empty() => {
@@ -391,7 +393,7 @@ impl LookaheadSlice {
         order: u32,
         scratch: &mut SliceScratch,
     ) {
-        let first = if order == self.index.boxes.orders() {
+        let first = if order == self.index.boxes.resort_count() {
             leaves
         } else {
             0
@@ -406,7 +408,7 @@ impl LookaheadSlice {
         let stage = if until == self.index.boxes.leaves() {
             BuildStage::Built
         } else {
-            BuildStage::Joining(until, self.index.boxes.orders())
+            BuildStage::Joining(until, self.index.boxes.resort_count())
         };
         self.end_at(stage, filter);
     }
@@ -426,7 +428,7 @@ impl LookaheadSlice {
         if self.due < 1.0 {
             self.changed.clear();
             self.boxed = Vec::new();
-            self.stage = BuildStage::Joining(0, self.index.boxes.orders());
+            self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());
             return;
         }
         self.list_all(&mut scratch.listed);

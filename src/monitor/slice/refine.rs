@@ -23,7 +23,7 @@ impl LookaheadSlice {
         let done = prepared.list_spans(slicing, filter, found);
         self.has_exceeded_limit |= done.is_err();
         if !filter.gives_up() {
-            self.unsearched_from = Some(end).filter(|&end| end < self.interval.1);
+            self.search_from = Some(end).filter(|&end| end < self.interval.1);
         }
         usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
     }

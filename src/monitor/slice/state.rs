@@ -35,7 +35,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(in crate::monitor) survivors: Vec<SpanKey>,
     /// Set if the slice is searched from nothing, in shorter slices, from this instant (s) on: because boxes of the whole
     /// slice overlap too many others, or a search from nothing ended there.
-    pub(super) unsearched_from: Option<f64>,
+    pub(super) search_from: Option<f64>,
     /// True if the slice was given up for lack of room.
     pub(super) has_exceeded_limit: bool,
     /// True if there was too little room: then no work is done before the slice is needed.
@@ -96,7 +96,7 @@ pub(super) enum BuildStage {
     /// before.
     Placing(usize),
     /// All boxes are in the tree. The bodies in leaves below the first number were compared with all others, if the
-    /// second number is still that of the tree's [order](BoxTree::orders).
+    /// second number is still the [number of the tree's sortings](BoxTree::resort_count).
     Joining(usize, u32),
     /// All boxes are in the tree. All bodies were compared with each other, but for changed ones.
     Built,

@@ -45,8 +45,8 @@ fn half_widths_reach_both_ends() {
     let span = Span {
         start: 0.0,
         end: 1.0,
-        a: 0,
-        b: 0,
+        cubic_a: 0,
+        cubic_b: 0,
     };
     let time = TimeEnclosure {
         earliest: 0.0,

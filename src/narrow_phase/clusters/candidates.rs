@@ -16,11 +16,11 @@ pub(super) const HALVINGS: u32 = 3;
 pub(super) struct SphereCandidate {
     /// Numbers of a's sphere and b's.
     pub(super) spheres: (u32, u32),
-    /// Control heights of the squared distance, in the square of the unit of lengths.
-    pub(super) heights: [f64; 7],
+    /// Bernstein coefficients of the squared distance, in the square of the unit of lengths.
+    pub(super) bernstein: [f64; 7],
     /// Lower bound of the distance, at least 0, in the unit of lengths.
     pub(super) distance: f64,
-    /// Bound of the heights' rounding.
+    /// Bound of the coefficients' rounding.
     pub(super) rounding: f64,
     /// Sum of the radii, in the unit of lengths.
     pub(super) radii: f64,
@@ -31,14 +31,18 @@ impl SphereCandidate {
     /// `distance` is a lower bound of its length, in the unit of lengths.
     #[inline]
     pub(super) fn new(spheres: (u32, u32), points: &[DVec3; 4], radii: f64, distance: f64) -> Self {
-        let heights = squared_distance(points);
+        let bernstein = squared_distance(points);
         let mut lowest = f64::INFINITY;
-        for height in heights {
-            lowest = if height < lowest { height } else { lowest };
+        for coefficient in bernstein {
+            lowest = if coefficient < lowest {
+                coefficient
+            } else {
+                lowest
+            };
         }
         Self {
             spheres,
-            heights,
+            bernstein,
             distance: lowest.max(0.0).sqrt().max(distance),
             rounding: rounding_of_heights(points),
             radii,
@@ -47,7 +51,7 @@ impl SphereCandidate {
 
     /// Returns the two spheres over both halves of the interval.
     fn halves(&self) -> [Self; 2] {
-        halves(&self.heights).map(|heights| Self { heights, ..*self })
+        halves(&self.bernstein).map(|bernstein| Self { bernstein, ..*self })
     }
 
     /// Returns a lower bound of the separation, in the unit of lengths.
@@ -62,16 +66,16 @@ impl SphereCandidate {
         pieces: &[BoundedPiece],
         within: impl Fn(f64) -> f64,
     ) -> bool {
-        let (mut heights, mut start) = (self.heights, 0.0);
+        let (mut bernstein, mut start) = (self.bernstein, 0.0);
         for &BoundedPiece { end, bound } in pieces {
-            let mut piece = heights;
+            let mut piece = bernstein;
             if end < 1.0 {
                 let share = (end - start) / (1.0 - start);
-                [piece, heights] = split(&heights, share);
+                [piece, bernstein] = split(&bernstein, share);
             }
             start = end;
             let distance = within(bound) + self.radii;
-            // Of the heights, of a split for each piece before, and of the halvings of `is_above`: at most 202 units.
+            // Of the coefficients, of a split for each piece before, and of the halvings of `is_above`: at most 202 units.
             let square = distance * distance + 8.0 * self.rounding;
             if distance >= 0.0 && !is_above(&piece, square, 2) {
                 return true;
@@ -83,14 +87,14 @@ impl SphereCandidate {
     /// Returns what tells how near the spheres are at the start, in the middle and at the end of the part: the
     /// squared distance less the squared sum of the radii.
     fn powers(&self) -> [f64; 3] {
-        let [h0, h1, h2, h3, h4, h5, h6] = self.heights;
+        let [h0, h1, h2, h3, h4, h5, h6] = self.bernstein;
         let middle = (((h0 + h6) + 6.0 * (h1 + h5)) + (15.0 * (h2 + h4) + 20.0 * h3)) / 64.0;
         [h0, middle, h6].map(|square| square - self.radii * self.radii)
     }
 
     /// Returns a bound of the distance, to rounding, in the unit of lengths.
     fn farthest(&self) -> f64 {
-        self.heights.into_iter().fold(0.0, f64::max).sqrt()
+        self.bernstein.into_iter().fold(0.0, f64::max).sqrt()
     }
 
     /// Returns true if another pair, which stays within a distance, is nearer by more than `slack` over the
@@ -101,7 +105,7 @@ impl SphereCandidate {
         let least = difference_of_squares(*distance, excess) + rounding;
         // Without a branch: the processor cannot predict which one is behind.
         let mut lowest = f64::INFINITY;
-        for (far, near) in self.heights.iter().zip(&near.heights) {
+        for (far, near) in self.bernstein.iter().zip(&near.bernstein) {
             let above = far - near;
             lowest = if above < lowest { above } else { lowest };
         }
@@ -109,23 +113,23 @@ impl SphereCandidate {
     }
 }
 
-/// Returns the control heights of both halves of an interval.
-fn halves(heights: &[f64; 7]) -> [[f64; 7]; 2] {
-    divide(heights, |first, second| 0.5 * (first + second))
+/// Returns the Bernstein coefficients of both halves of an interval.
+fn halves(bernstein: &[f64; 7]) -> [[f64; 7]; 2] {
+    divide(bernstein, |first, second| 0.5 * (first + second))
 }
 
-/// Returns the control heights before and after a share of an interval.
-fn split(heights: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
-    divide(heights, |first, second| {
+/// Returns the Bernstein coefficients before and after a share of an interval.
+fn split(bernstein: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
+    divide(bernstein, |first, second| {
         (1.0 - share) * first + share * second
     })
 }
 
-/// Divides a polynomial (de Casteljau); `mean` mixes two neighbouring control heights.
+/// Divides a polynomial (de Casteljau); `mean` mixes two neighbouring Bernstein coefficients.
 #[inline(always)]
-fn divide(heights: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
-    let (mut first, mut second) = (*heights, *heights);
-    let mut row = *heights;
+fn divide(bernstein: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
+    let (mut first, mut second) = (*bernstein, *bernstein);
+    let mut row = *bernstein;
     for degree in (0..7).rev() {
         first[6 - degree] = row[0];
         second[degree] = row[degree];
@@ -137,15 +141,15 @@ fn divide(heights: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
 }
 
 /// Returns true if a polynomial is above a bound, as can be told by halving the interval so many times.
-fn is_above(heights: &[f64; 7], bound: f64, halvings: u32) -> bool {
-    if heights.iter().all(|&height| height > bound) {
+fn is_above(bernstein: &[f64; 7], bound: f64, halvings: u32) -> bool {
+    if bernstein.iter().all(|&coefficient| coefficient > bound) {
         return true;
     }
     // Its ends are its values there.
     halvings > 0
-        && heights[0] > bound
-        && heights[6] > bound
-        && halves(heights)
+        && bernstein[0] > bound
+        && bernstein[6] > bound
+        && halves(bernstein)
             .iter()
             .all(|half| is_above(half, bound, halvings - 1))
 }
@@ -202,10 +206,10 @@ pub(super) fn find_nearest(
     }
 }
 
-/// Returns a bound of the rounding of heights, of a part or of what is left of it after so many [halvings](HALVINGS): 32 units
+/// Returns a bound of the rounding of coefficients, of a part or of what is left of it after so many [halvings](HALVINGS): 32 units
 /// of the largest square.
 pub(super) fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
-    // Of the largest square: 10 of the heights of the part, 6 of their means each time.
+    // Of the largest square: 10 of the coefficients of the part, 6 of their means each time.
     let squares = points.map(DVec3::length_squared);
     32.0 * UNIT_ROUNDOFF * squares.into_iter().fold(0.0, f64::max)
 }
@@ -218,7 +222,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     /// Centres that meet at half time, and two spheres that stay at a tiny distance: at that instant they are
-    /// farther, whatever the rounding of heights.
+    /// farther, whatever the rounding of coefficients.
     #[test]
     fn spheres_that_meet_between_two_halves_are_not_behind() {
         let candidate = |points: [DVec3; 4]| SphereCandidate::new((0, 0), &points, 0.5, 0.0);

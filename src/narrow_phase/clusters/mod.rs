@@ -83,7 +83,7 @@ impl<'a> ClusterPair<'a> {
     /// Solves the pairs of spheres that may come within `margin` in a part of the span that meets
     /// `window` and does not begin before `after` (s). Returns the end of the last such part, the next
     /// value of `after`; infinity if it ends with the span.
-    pub(super) fn each_within_after(
+    pub(super) fn solve_parts(
         &self,
         margin: f64,
         (window, after): ((f64, f64), f64),

@@ -15,7 +15,7 @@ use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
-use crate::rounding::{norm, normalising_power};
+use crate::rounding::{norm, scale_to_one};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -169,7 +169,7 @@ impl<'a> SpheresOverPart<'a> {
             },
             motion,
             scale,
-            power: normalising_power(scale),
+            power: scale_to_one(scale),
             error: error(0) + error(1),
         }
     }

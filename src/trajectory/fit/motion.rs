@@ -22,7 +22,7 @@ const LEAST: f64 = 2.5;
 const SHARES: [f64; 11] = [0.5, 0.03, 0.11, 0.2, 0.29, 0.4, 0.61, 0.7, 0.81, 0.88, 0.97];
 
 /// Distance from the place of the largest deviation at which it is looked for once more, on both sides.
-const BESIDE: f64 = 0.035;
+const EXTRA: f64 = 0.035;
 
 /// Least number of instants at which a motion is examined over the whole window.
 const INSTANTS: f64 = 1024.0;
@@ -292,7 +292,7 @@ impl<P: Into<DVec3>, V: Into<DVec3>, F: FnMut(f64) -> (P, V)> Examined<F> {
             place = (place + GOLDEN).fract();
             covered += self.interval;
         }
-        for share in [largest.1 - BESIDE, largest.1 + BESIDE] {
+        for share in [largest.1 - EXTRA, largest.1 + EXTRA] {
             largest = larger(largest, self.deviation(&piece, share)?);
         }
         Ok(error(largest.0))

@@ -147,7 +147,7 @@ impl Segment {
     /// # Errors
     ///
     /// [`Error::OutOfRange`], [`Error::TooFar`].
-    pub(in crate::trajectory) fn check_range(
+    pub(in crate::trajectory) fn check_followable(
         &self,
         (from, to): (f64, f64),
         knot: usize,

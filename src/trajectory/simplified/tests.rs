@@ -164,7 +164,7 @@ fn the_ends_stay() {
         let simple = &fit.trajectory;
         assert!(simple.segments().len() * 5 < plan.segments().len());
         assert_eq!(simple.domain(), plan.domain());
-        assert_eq!(simple.own_domain(), plan.own_domain());
+        assert_eq!(simple.listed_domain(), plan.listed_domain());
         for time in [
             first - 7.0,
             first - 1e-3,
