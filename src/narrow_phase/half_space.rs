@@ -21,10 +21,12 @@ use glam::DVec3;
 use std::borrow::Cow;
 
 /// A body with spheres and one with a half-space, over a span.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct PlanePair<'a> {
     pub(super) body: &'a BodyView<'a>,
     plane: &'a BodyView<'a>,
+    /// The cubics of the body and of the plane.
+    segments: [Cow<'a, Segment>; 2],
     pub(super) span: Span,
     /// The half-space is body a.
     pub(super) is_first: bool,
@@ -107,10 +109,19 @@ impl<'a> PlanePair<'a> {
             return None;
         }
         let (body, plane) = if is_first { (b, a) } else { (a, b) };
+        let (of_body, of_plane) = if is_first {
+            (span.cubic_b, span.cubic_a)
+        } else {
+            (span.cubic_a, span.cubic_b)
+        };
         let normal = plane.bounding.offset;
         Some(Self {
             body,
             plane,
+            segments: [
+                body.segment(of_body as usize),
+                plane.segment(of_plane as usize),
+            ],
             span,
             is_first,
             normal,
@@ -121,28 +132,15 @@ impl<'a> PlanePair<'a> {
 
     /// Returns the heights of the body's position above the plane over a part of the span.
     pub(super) fn heights(&self, part: Span) -> HeightCubic {
-        let [body, plane] = &self.segments();
+        let [body, plane] = &self.segments;
         let motion = RelativeMotion::between(body, plane, (part.start, part.end));
         motion.heights(self.normal, self.scale)
-    }
-
-    /// Returns the cubics of the body and of the plane.
-    fn segments(&self) -> [Cow<'a, Segment>; 2] {
-        let (body, plane) = if self.is_first {
-            (self.span.cubic_b, self.span.cubic_a)
-        } else {
-            (self.span.cubic_a, self.span.cubic_b)
-        };
-        [
-            self.body.segment(body as usize),
-            self.plane.segment(plane as usize),
-        ]
     }
 
     /// Returns true if the body is so far above the plane over a part of the span that rounding does not
     /// matter.
     fn is_far_above(&self, margin: f64, part: Span) -> bool {
-        let [body, plane] = &self.segments();
+        let [body, plane] = &self.segments;
         let range = |segment| HeightRange::of_segment(segment, (part.start, part.end), self.normal);
         let (Some(body), Some(plane)) = (range(body), range(plane)) else {
             return false;
@@ -158,7 +156,7 @@ impl<'a> PlanePair<'a> {
 
     /// Returns the magnitude to which all rounding over a part of the span is relative, m.
     pub(super) fn rounding_scale(&self, part: Span) -> f64 {
-        let [body, plane] = &self.segments();
+        let [body, plane] = &self.segments;
         let bounding = self.body.bounding;
         let scale = local_scale(body, plane, (part.start, part.end), bounding.offset);
         scale + 4.0 * bounding.radius
