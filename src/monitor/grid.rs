@@ -119,6 +119,16 @@ impl SceneEstimate {
 }
 
 impl Grid {
+    /// Returns the number of slices that are about as long as those of a search from nothing; at least 1.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive; saturates"
+    )]
+    pub(super) fn slices_to_search(&self) -> usize {
+        (self.search_length / self.length).round().max(1.0) as usize
+    }
+
     /// Slices that a lookahead is cut into, at least and at most. The boxes of more slices are tighter,
     /// and each changed plan is compared in every one of them. (Where a screening would take two or
     /// three, three were measured 10 to 15 % cheaper than four.)

@@ -16,6 +16,7 @@ mod affordable;
 mod ahead;
 mod ask;
 mod from_nothing;
+mod query_index;
 mod time_grid;
 
 use super::bodies::{BodyTable, ChangedBounds};
@@ -44,6 +45,7 @@ use crate::wall_clock::Instant;
 use crate::window::Window;
 use affordable::AffordableLookahead;
 use ahead::due_ahead;
+use query_index::QueryIndexes;
 use std::collections::VecDeque;
 use std::iter::once;
 use std::sync::atomic::AtomicUsize;
@@ -61,6 +63,7 @@ pub(super) struct LookaheadSearch {
     unused: Vec<LookaheadSlice>,
     jump: JumpSearch,
     half_spaces: HalfSpaceSearch,
+    query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.
     survivors: Vec<SpanKey>,
     sorter: SpanSorter,
@@ -101,6 +104,7 @@ impl LookaheadSearch {
             unused: Vec::new(),
             jump: JumpSearch::default(),
             half_spaces: HalfSpaceSearch::default(),
+            query_indexes: QueryIndexes::default(),
             survivors: Vec::new(),
             sorter: SpanSorter::default(),
             pool: Pool::default(),
@@ -244,6 +248,7 @@ impl LookaheadSearch {
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
         let clock_slice = self.start(self.index(lookahead.0));
+        self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
         loop {

@@ -2,10 +2,11 @@
 
 use super::budgets::lived;
 use super::is_as_screened;
-use super::support::{rng, vector};
+use super::support::{bits, rng, vector};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Event, Hitbox, Monitor, Scene, State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Monitor, Query, Scene, State,
+    Trajectory, Window,
 };
 use rand::rngs::ChaCha8Rng;
 
@@ -121,6 +122,60 @@ fn all_bodies_are_told_and_each_tick_knows_beyond_the_clock() {
         monitor.close(&mut events);
         assert_eq!(lived(&events), expected, "{budget:?}");
     }
+}
+
+/// Asks what a ball would meet that turned round now; returns the number of answers, those of a screening.
+fn ask(monitor: &Monitor, (id, state): (BodyId, State)) -> usize {
+    let idea = Trajectory::coasting(State::new(state.time, state.position, -state.velocity));
+    let idea = idea.unwrap();
+    let would = monitor.what_if(id, &idea, 0).unwrap();
+    let mut scene = monitor.scene().clone();
+    scene.set_trajectory(id, idea).unwrap();
+    let window = Window::new(monitor.now(), monitor.complete_until()).unwrap();
+    let query = Query::new(window).with_margin(LEVEL.margin);
+    let mut screened = scene.screen(&query).unwrap().conflicts;
+    screened.retain(|one| one.a == id || one.b == id);
+    assert_eq!(bits(&would), bits(&screened), "{window:?}");
+    would.len()
+}
+
+/// Boxes for questions are formed by the first one after a tick. Then bodies change, are inserted and removed.
+#[test]
+fn questions_between_ticks_in_which_all_bodies_are_told() {
+    let mut found = 0;
+    for budget in [Budget::Unlimited, Budget::Work(1_500)] {
+        for lookahead in [0.1, LOOKAHEAD, 20.0] {
+            let mut rng = rng(9);
+            let (mut balls, scene) = Balls::new(&mut rng, 200);
+            let mut monitor = Monitor::new(scene, 0.0, lookahead, &[LEVEL]).unwrap();
+            let mut more = Vec::new();
+            for tick in 0..20 {
+                let now = f64::from(tick) * FRAME;
+                balls.step(now);
+                balls.tell(&mut monitor, |_| true);
+                monitor
+                    .advance_within(now, budget, &mut Vec::new())
+                    .unwrap();
+                if monitor.complete_until() <= now {
+                    continue;
+                }
+                let ball = |number: usize| (balls.ids[number], balls.states[number]);
+                for number in 0..5 {
+                    found += ask(&monitor, ball(7 * number + 1));
+                }
+                let (other, place) = (balls.ids[100], vector(&mut rng, HALF));
+                let moved = Trajectory::coasting(State::new(now, place, DVec3::X)).unwrap();
+                let body = Body::new(moved.clone());
+                let mut changes = vec![Command::SetTrajectory(other, moved), Command::Insert(body)];
+                changes.extend(more.pop().map(Command::Remove));
+                more = monitor.apply(changes).unwrap();
+                for number in 0..5 {
+                    found += ask(&monitor, ball(7 * number + 3));
+                }
+            }
+        }
+    }
+    assert!(found > 500, "{found}");
 }
 
 /// Half of the bodies are told in each tick, or all in every other one. A monitor that falls behind for long knows

@@ -110,9 +110,32 @@ impl LookaheadSearch {
                     .meeting(&bodies, window, &own.aabb, &mut neighbours);
             }
         }
-        for slice in &self.slices {
-            if slice.covers_some_of(window) {
+        let covered = self.slices.iter();
+        let covered: Vec<_> = covered
+            .filter(|slice| slice.covers_some_of(window))
+            .collect();
+        for slice in &covered {
+            slice.list_changed(&mut neighbours);
+            if slice.is_placed() {
                 slice.neighbours(&bodies, &source, &mut scratch, &mut neighbours);
+            }
+        }
+        let count = self.grid.slices_to_search();
+        let runs = covered.chunk_by(|one, next| {
+            one.is_placed() == next.is_placed() && one.number + 1 == next.number
+        });
+        for run in runs.filter(|run| !run[0].is_placed()) {
+            // The window may begin and end within a slice.
+            let groups = ((run.len() + count / 2) / count).max(1);
+            for slices in run.chunks(run.len().div_ceil(groups)) {
+                let queries = &self.query_indexes;
+                queries.neighbours(
+                    &bodies,
+                    (slices, window),
+                    &source,
+                    &mut scratch,
+                    &mut neighbours,
+                );
             }
         }
         neighbours

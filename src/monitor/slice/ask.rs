@@ -18,8 +18,8 @@ pub(in crate::monitor) struct NearBody {
 }
 
 impl LookaheadSlice {
-    /// Lists the bodies that may be near the body of a source within the slice, in any order, some several times.
-    /// A body that has changed since its box was formed may be anywhere: it is listed as well.
+    /// Lists the bodies that may be near the body of a source within the slice, which [has boxes](Self::is_placed), in
+    /// any order, some several times.
     pub(in crate::monitor) fn neighbours(
         &self,
         bodies: &BodyTable<'_>,
@@ -27,48 +27,15 @@ impl LookaheadSlice {
         scratch: &mut SliceScratch,
         neighbours: &mut Vec<NearBody>,
     ) {
-        let SliceScratch {
-            block, search, met, ..
-        } = scratch;
-        let index = if self.is_placed() {
-            &self.index
-        } else {
-            self.query_index.get_or_init(|| self.index_of(bodies))
-        };
-        form(&bodies.grid.frame, source, &self.ends(), block);
-        let own = &block.slices[0];
-        met.clear();
-        index.boxes.meeting(&own.boxes, search, |_, slot| {
-            // They lie anywhere in memory, and are read when all are known.
-            prefetch(from_ref(&index.fat_lines[slot as usize]));
-            met.push(slot);
-        });
-        for fat_line in &own.fat_lines {
-            neighbours.extend(met.iter().filter_map(|&slot| {
-                let theirs = &index.fat_lines[slot as usize];
-                let (from, to) = approaching(fat_line, theirs, self.interval)?;
-                Some(NearBody { slot, from, to })
-            }));
-        }
+        let index = &self.index;
+        index.neighbours(bodies, self.interval, source, scratch, neighbours);
+    }
+
+    /// Lists the bodies that have changed since their boxes were formed: each may be anywhere.
+    pub(in crate::monitor) fn list_changed(&self, neighbours: &mut Vec<NearBody>) {
         let (from, to) = self.interval;
         let changed = self.changed.slots().iter();
         neighbours.extend(changed.map(|&slot| NearBody { slot, from, to }));
-    }
-
-    /// Returns the boxes of all bodies.
-    fn index_of(&self, bodies: &BodyTable<'_>) -> BoxIndex {
-        let mut index = BoxIndex::default();
-        index
-            .fat_lines
-            .resize(bodies.monitored.len(), Self::NO_FAT_LINE);
-        let (mut listed, fat_lines) = (Vec::new(), &mut index.fat_lines);
-        let slots = 0..short(bodies.monitored.len());
-        bodies.boxes(slots, &self.ends(), &mut |_, boxed, fat_line| {
-            fat_lines[boxed.body as usize] = *fat_line;
-            listed.push(boxed);
-        });
-        index.boxes.build(&listed);
-        index
     }
 
     /// Returns true if all bodies were boxed or compared in the slice, and it has a time in common with an
@@ -77,5 +44,49 @@ impl LookaheadSlice {
         (self.is_placed() || self.stage.is_compared())
             && self.interval.0 <= to
             && self.interval.1 >= from
+    }
+}
+
+impl BoxIndex {
+    /// Forms the boxes of all bodies in an interval (s).
+    pub(in crate::monitor) fn form(&mut self, bodies: &BodyTable<'_>, (from, to): (f64, f64)) {
+        let fat_lines = &mut self.fat_lines;
+        fat_lines.resize(bodies.monitored.len(), LookaheadSlice::NO_FAT_LINE);
+        let mut listed = Vec::new();
+        let slots = 0..short(bodies.monitored.len());
+        bodies.boxes(slots, &[from, to], &mut |_, boxed, fat_line| {
+            fat_lines[boxed.body as usize] = *fat_line;
+            listed.push(boxed);
+        });
+        self.boxes.build(&listed);
+    }
+
+    /// Lists the bodies that may be near the body of a source within the interval of the boxes (s).
+    pub(in crate::monitor) fn neighbours(
+        &self,
+        bodies: &BodyTable<'_>,
+        interval: (f64, f64),
+        source: &CubicSource<'_, Segment>,
+        scratch: &mut SliceScratch,
+        neighbours: &mut Vec<NearBody>,
+    ) {
+        let SliceScratch {
+            block, search, met, ..
+        } = scratch;
+        form(&bodies.grid.frame, source, &[interval.0, interval.1], block);
+        let own = &block.slices[0];
+        met.clear();
+        self.boxes.meeting(&own.boxes, search, |_, slot| {
+            // They lie anywhere in memory, and are read when all are known.
+            prefetch(from_ref(&self.fat_lines[slot as usize]));
+            met.push(slot);
+        });
+        for fat_line in &own.fat_lines {
+            neighbours.extend(met.iter().filter_map(|&slot| {
+                let theirs = &self.fat_lines[slot as usize];
+                let (from, to) = approaching(fat_line, theirs, interval)?;
+                Some(NearBody { slot, from, to })
+            }));
+        }
     }
 }

@@ -12,9 +12,8 @@ use crate::count::short;
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
+pub(super) use state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
 use state::{BuildStage, LimitedAdmission};
-pub(super) use state::{LookaheadSlice, SliceScratch, SliceTask};
-use std::sync::OnceLock;
 
 impl LookaheadSlice {
     /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
@@ -56,7 +55,6 @@ impl LookaheadSlice {
         self.is_put_off = false;
         self.survivors.clear();
         self.search_from = None;
-        self.query_index = OnceLock::new();
         self.changed.clear();
     }
 
@@ -91,6 +89,11 @@ impl LookaheadSlice {
             && self.refined == self.candidates.len();
         let until = self.search_from.filter(|_| is_compared);
         until.unwrap_or(self.interval.0)
+    }
+
+    /// Returns its beginning, s.
+    pub(super) const fn start(&self) -> f64 {
+        self.interval.0
     }
 
     /// Returns its end, s.
@@ -328,11 +331,6 @@ impl LookaheadSlice {
                 0
             }
             BuildStage::Compared(slots) => {
-                if let Some(index) = self.query_index.take() {
-                    self.index = index;
-                    self.stage = BuildStage::Built;
-                    return 0;
-                }
                 let mut boxed = std::mem::take(&mut self.boxed);
                 let until = self.list(bodies, slots, &mut boxed);
                 self.boxed = boxed;

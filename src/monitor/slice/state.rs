@@ -10,7 +10,6 @@ use crate::scene::PairAdmission;
 use crate::search::{CandidateRefiner, Limits, SearchScratch, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
-use std::sync::OnceLock;
 
 /// A slice of the lookahead.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +18,6 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(in crate::monitor) number: i64,
     pub(super) interval: (f64, f64),
     pub(super) index: BoxIndex,
-    /// Boxes for a question between ticks, if the slice has none yet: formed by the first question.
-    pub(super) query_index: OnceLock<BoxIndex>,
     pub(super) stage: BuildStage,
     /// Share of the work that is to be done now, 0 to 1: 1 if the slice is needed.
     pub(super) due: f64,
@@ -45,7 +42,7 @@ pub(in crate::monitor) struct LookaheadSlice {
 
 /// Boxes and fat lines of the bodies in a slice.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BoxIndex {
+pub(in crate::monitor) struct BoxIndex {
     pub(super) boxes: BoxTree,
     /// Fat lines by slot: nearer to the body than its box, as long as it has one.
     pub(super) fat_lines: Vec<FatLine>,
