@@ -24,15 +24,15 @@ pub enum Budget {
     /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
     ///   searched in parts.
     /// - A search that cannot be left to the next tick: where more than three quarters of the bodies change in each
-    ///   tick, or the known time has long fallen behind the clock while bodies change. Then the tick searches as much of
+    ///   tick, or the known time has long been behind the clock while bodies change. Then the tick searches as much of
     ///   the lookahead as earlier ticks had time for, and a 16th at least, whatever time that takes.
     ///
     /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
     /// second one.
     ///
     /// So [`complete_until`](crate::Monitor::complete_until) goes on with the clock: with too little time less is known
-    /// ahead. Where most bodies change in each tick it stays beyond the clock. Where some change, it may stay behind the
-    /// clock for 32 ticks, and then no longer.
+    /// ahead. Where most bodies change in each tick it stays beyond the clock. Where some change, it may be behind the
+    /// clock for 32 ticks that hardly gain on it, and then no longer, until all of the lookahead is known within a budget.
     Time(Duration),
     /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
     /// machine and in every run. A tick exceeds it as it does a time where bodies change. With 0 a monitor whose bodies do

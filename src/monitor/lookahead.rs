@@ -83,8 +83,8 @@ pub(super) struct LookaheadSearch {
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     last_end: f64,
-    /// True if most was unknown at the last catching up.
-    was_unknown: bool,
+    /// Ticks since most was unknown.
+    since_unknown: u32,
     pub(super) affordable: AffordableLookahead,
     /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
@@ -93,6 +93,9 @@ pub(super) struct LookaheadSearch {
 impl LookaheadSearch {
     /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
+
+    /// Where most changes again within so many ticks, kept boxes do not pay.
+    const SOON: u32 = 8;
 
     /// Returns a search without bodies, on a grid, with room for so many spans.
     pub(super) fn new(grid: Grid, max_spans: usize) -> Self {
@@ -116,7 +119,7 @@ impl LookaheadSearch {
             ends: Vec::new(),
             partners: None,
             last_end: grid.origin,
-            was_unknown: false,
+            since_unknown: Self::SOON,
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }
@@ -428,8 +431,12 @@ impl LookaheadSearch {
             if found > self.max_spans {
                 return (None, false);
             }
-            let start = self.grid.start(slice.number).max(from);
             let is_needed = number < needed;
+            // What is solved of turning bodies does not reach beyond, and no work is due there.
+            if !is_needed && meter.has_to_finish() {
+                break;
+            }
+            let start = self.grid.start(slice.number).max(from);
             if is_needed && meter.until().is_some_and(|until| start >= until) {
                 break;
             }

@@ -95,10 +95,10 @@ use told_motions::ToldMotions;
 /// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
 /// first one.
 ///
-/// Where more than three quarters of the bodies change before a tick, and did so before the previous tick, the tick
-/// screens its lookahead as a whole. With a budget there is one more condition: the previous tick had time for all
-/// slices of such a screening, or all but one. A later tick before which fewer bodies change takes longer, once: it
-/// forms the boxes of all bodies, and changed ones are compared with these from then on.
+/// Where more than three quarters of the bodies change before a tick, and did so within the eight ticks before, the tick
+/// screens its lookahead as a whole, or as much of it as a [budget](Budget) allows. Without a budget, so does each of
+/// the next eight ticks before which any body changes. A later one takes longer, once: it forms the boxes of all
+/// bodies, and changed ones are compared with these from then on.
 ///
 /// # Threads
 ///

@@ -2,6 +2,7 @@
 //! change again by then are to be searched for again.
 
 use super::super::budget::BudgetMeter;
+use super::LookaheadSearch;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
 #[derive(Debug)]
@@ -10,11 +11,11 @@ pub(in crate::monitor) struct AffordableLookahead {
     share: f64,
     /// True if something has changed at this tick.
     has_changed: bool,
-    /// True if most bodies have changed at the last tick.
-    had_most_changed: bool,
+    /// Ticks since most bodies had changed.
+    since_most_changed: u32,
     /// True if the last tick at which something had changed had to finish its search.
     had_to_finish: bool,
-    /// Ticks whose known time fell farther behind the clock, since all was known.
+    /// Ticks whose known time was behind the clock and hardly gained on it, since all was known.
     late_ticks: u32,
     /// The clock at the last tick, and the end of what was known, s.
     last: (f64, f64),
@@ -31,7 +32,7 @@ impl AffordableLookahead {
         Self {
             share: 1.0,
             has_changed: false,
-            had_most_changed: false,
+            since_most_changed: LookaheadSearch::SOON,
             had_to_finish: false,
             late_ticks: 0,
             last: (now, now),
@@ -47,11 +48,15 @@ impl AffordableLookahead {
         meter: &mut BudgetMeter,
     ) -> f64 {
         self.has_changed = changed > 0;
-        let have_most_changed = 4 * changed > 3 * all;
-        let had_most_changed = std::mem::replace(&mut self.had_most_changed, have_most_changed);
+        let have_most_changed_again = if 4 * changed > 3 * all {
+            std::mem::take(&mut self.since_most_changed) < LookaheadSearch::SOON
+        } else {
+            self.since_most_changed = self.since_most_changed.saturating_add(1);
+            false
+        };
         let is_late = self.late_ticks >= Self::MANY_LATE_TICKS;
         // What has not changed is not searched for again: it can be left to the next tick.
-        let has_to_finish = self.has_changed && (is_late || had_most_changed && have_most_changed);
+        let has_to_finish = self.has_changed && (is_late || have_most_changed_again);
         if !(has_to_finish && meter.has_limit()) {
             return end;
         }
@@ -82,7 +87,7 @@ impl AffordableLookahead {
         // A tick without changes may know all only because the one before had to finish.
         if known >= end && used <= 1.0 && (self.has_changed || !self.had_to_finish) {
             self.late_ticks = 0;
-        } else if known < now && known - last.1 < now - last.0 {
+        } else if known < now && known - last.1 <= 2.0 * (now - last.0) {
             self.late_ticks = self.late_ticks.saturating_add(1);
         }
     }

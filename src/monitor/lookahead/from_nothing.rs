@@ -4,7 +4,7 @@
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
-use super::LookaheadSearch;
+use super::{LookaheadSearch, LookaheadSlice};
 use crate::broad_phase::PairFilter;
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::search::{LimitExceeded, Limits};
@@ -41,11 +41,23 @@ impl LookaheadSearch {
             .search_jump(times, &bodies, work, &mut self.survivors)
     }
 
-    /// Returns true if [most is unknown](Self::is_mostly_unknown), and was at the tick before: plans change
-    /// too fast for kept boxes to pay. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
+    /// Returns true if the lookahead is to be searched from nothing: [most is unknown](Self::is_mostly_unknown), and was a
+    /// few ticks before, so that kept boxes would not pay; or most was a few ticks before, something has changed, and none
+    /// of the needed slices has boxes. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
-        let is_unknown = self.is_mostly_unknown(needed);
-        std::mem::replace(&mut self.was_unknown, is_unknown) && is_unknown
+        let is_soon = self.since_unknown < Self::SOON;
+        if self.is_mostly_unknown(needed) {
+            self.since_unknown = 0;
+            return is_soon;
+        }
+        self.since_unknown = self.since_unknown.saturating_add(1);
+        let has_boxes = || {
+            self.slices
+                .iter()
+                .take(needed)
+                .any(LookaheadSlice::is_placed)
+        };
+        is_soon && !self.changed.slots().is_empty() && !has_boxes()
     }
 
     /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
