@@ -7,6 +7,8 @@
 //! - `frame/update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
 //! - `frame/told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
 //!   included;
+//! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
+//! - `frame/told_and_asked/10k`, one thread: as `told`, and then ten questions by `Monitor::what_if`;
 //! - `frame/told_walls/10k`, one thread: as `told`, within six half-spaces, and with a second alert level of 0 m;
 //! - `frame/told_walls_half/10k`, one thread: the same with a budget for each tick: half of what the median of 41 ticks
 //!   took before. The table says how much of the 2 s is known;
@@ -124,6 +126,8 @@ fn main() {
     for (bodies, threads) in [(1_000, 1), (10_000, 1), (100_000, 2)] {
         run.measure(("told", bodies), threads, Told::new);
     }
+    run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
+    run.measure(("told_and_asked", 10_000), 1, Told::with_questions);
     run.measure(("told_walls", 10_000), 1, Told::within_walls);
     run.measure(("told_walls_half", 10_000), 1, Told::with_half_the_time);
     run.measure(("rapier", 10_000), 1, overlaps::Overlaps::new);

@@ -2,7 +2,7 @@
 
 use super::shots::Shots;
 use super::world::{MARGIN, MovingBodies, World};
-use nearmiss::{AlertLevel, Budget, Event, Monitor, Query, Scene, Window};
+use nearmiss::{AlertLevel, Budget, Event, Monitor, Query, Scene, State, Trajectory, Window};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -66,12 +66,33 @@ pub(crate) struct Told<W> {
     world: W,
     monitor: Monitor,
     budget: Budget,
+    /// Frames from one in which the bodies are told to the next one.
+    period: u32,
+    /// Questions after each frame.
+    questions: usize,
+    frames: u32,
     events: Vec<Event>,
 }
 
 impl Told<World> {
     pub(crate) fn new(bodies: u32) -> Self {
         Self::of(World::new(bodies), &[MARGIN])
+    }
+
+    /// Returns a game whose bodies are told in every other frame.
+    pub(crate) fn in_turns(bodies: u32) -> Self {
+        Self {
+            period: 2,
+            ..Self::new(bodies)
+        }
+    }
+
+    /// Returns a game that asks ten questions after each frame.
+    pub(crate) fn with_questions(bodies: u32) -> Self {
+        Self {
+            questions: 10,
+            ..Self::new(bodies)
+        }
     }
 
     /// Returns a game within walls, with two alert levels.
@@ -120,6 +141,9 @@ impl<W: MovingBodies> Told<W> {
             world,
             monitor: monitor.unwrap_or_else(|error| panic!("{error}")),
             budget: Budget::Unlimited,
+            period: 1,
+            questions: 0,
+            frames: 0,
             events,
         }
     }
@@ -130,11 +154,20 @@ impl<W: MovingBodies> Game for Told<W> {
         self.world.step();
         let now = self.world.now();
         self.events.clear();
+        let is_told = self.frames.is_multiple_of(self.period);
+        self.frames += 1;
+        let states = self.world.states();
+        let told = if is_told { states } else { &[] };
         let begin = Instant::now();
-        let tracked = self.monitor.track(now, self.world.states().iter().copied());
+        let tracked = self.monitor.track(now, told.iter().copied());
         let (monitor, events) = (&mut self.monitor, &mut self.events);
         let advanced = tracked.and_then(|()| monitor.advance_within(now, self.budget, events));
         black_box(&self.events);
+        for (id, state) in states.iter().step_by(97).take(self.questions) {
+            let back = State::new(state.time, state.position, -state.velocity);
+            let asked = Trajectory::coasting(back).and_then(|plan| monitor.what_if(*id, &plan, 0));
+            black_box(asked.unwrap_or_else(|error| panic!("{error}")));
+        }
         let time = begin.elapsed();
         advanced.unwrap_or_else(|error| panic!("{error}"));
         time

@@ -43,7 +43,7 @@ use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use affordable::AffordableLookahead;
+use affordable::{AffordableLookahead, SOON};
 use ahead::due_ahead;
 use query_index::QueryIndexes;
 use std::collections::VecDeque;
@@ -93,10 +93,6 @@ pub(super) struct LookaheadSearch {
 impl LookaheadSearch {
     /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
-
-    /// Where most changes again within so many ticks, kept boxes do not pay.
-    const SOON: u32 = 8;
-
     /// Returns a search without bodies, on a grid, with room for so many spans.
     pub(super) fn new(grid: Grid, max_spans: usize) -> Self {
         Self {
@@ -119,7 +115,7 @@ impl LookaheadSearch {
             ends: Vec::new(),
             partners: None,
             last_end: grid.origin,
-            since_unknown: Self::SOON,
+            since_unknown: SOON,
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }

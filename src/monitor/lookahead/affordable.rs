@@ -2,7 +2,9 @@
 //! change again by then are to be searched for again.
 
 use super::super::budget::BudgetMeter;
-use super::LookaheadSearch;
+
+/// Where most changes again within so many ticks, kept boxes do not pay.
+pub(super) const SOON: u32 = 8;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
 #[derive(Debug)]
@@ -32,7 +34,7 @@ impl AffordableLookahead {
         Self {
             share: 1.0,
             has_changed: false,
-            since_most_changed: LookaheadSearch::SOON,
+            since_most_changed: SOON,
             had_to_finish: false,
             late_ticks: 0,
             last: (now, now),
@@ -49,7 +51,7 @@ impl AffordableLookahead {
     ) -> f64 {
         self.has_changed = changed > 0;
         let have_most_changed_again = if 4 * changed > 3 * all {
-            std::mem::take(&mut self.since_most_changed) < LookaheadSearch::SOON
+            std::mem::take(&mut self.since_most_changed) < SOON
         } else {
             self.since_most_changed = self.since_most_changed.saturating_add(1);
             false

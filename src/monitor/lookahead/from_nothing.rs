@@ -4,6 +4,7 @@
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
+use super::affordable::SOON;
 use super::{LookaheadSearch, LookaheadSlice};
 use crate::broad_phase::PairFilter;
 use crate::rounding::{earliest_exact, latest_exact};
@@ -45,7 +46,7 @@ impl LookaheadSearch {
     /// few ticks before, so that kept boxes would not pay; or most was a few ticks before, something has changed, and none
     /// of the needed slices has boxes. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
-        let is_soon = self.since_unknown < Self::SOON;
+        let is_soon = self.since_unknown < SOON;
         if self.is_mostly_unknown(needed) {
             self.since_unknown = 0;
             return is_soon;
