@@ -1,7 +1,7 @@
 //! Changes between ticks: each is checked as a whole before any part takes effect.
 
 use super::Monitor;
-use super::command::{Command, CommandBatch, PairRule};
+use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
 use super::grid::{Grid, GridReview, SceneEstimate};
 use super::lookahead::{LookaheadSearch, push_once};
@@ -23,9 +23,7 @@ use crate::window::Window;
 impl Monitor {
     /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
     /// state is taken to have flown there since. In a frame, insert after the tick at whose clock the body appears.
-    ///
-    /// A body that is not to meet the one beside which it appears: [`Command::InsertIgnoring`], or
-    /// [`ignore_pair`](Self::ignore_pair) before the next tick.
+    /// For a body that ignores others from the beginning: [`Command::InsertIgnoring`].
     ///
     /// # Errors
     ///
@@ -36,10 +34,16 @@ impl Monitor {
         ids.first().copied().ok_or(Error::SceneFull)
     }
 
-    fn put(&mut self, body: Body, monitored: MonitoredBody) -> Result<BodyId, Error> {
+    fn put(&mut self, (body, monitored, ignored): NewBody) -> Result<BodyId, Error> {
         let id = self.scene.insert(body)?;
         self.update_monitored(id, Some(monitored));
         self.watch_plan_end(id);
+        // A later command may have removed some.
+        for other in ignored {
+            if self.scene.body(other).is_some() {
+                self.ignore(id, other)?;
+            }
+        }
         Ok(id)
     }
 
@@ -336,18 +340,7 @@ impl Monitor {
             }
             self.update_monitored(id, change.monitored.take());
         }
-        let inserted = batch.inserted.drain(..);
-        let put = |(body, monitored, ignored): (_, _, Vec<BodyId>)| {
-            let id = self.put(body, monitored)?;
-            for other in ignored {
-                // A later command may have removed it.
-                if self.scene.body(other).is_some() {
-                    self.ignore(id, other)?;
-                }
-            }
-            Ok(id)
-        };
-        inserted.map(put).collect()
+        batch.inserted.drain(..).map(|new| self.put(new)).collect()
     }
 
     /// Ignores a pair, from the clock of the last tick on. At the next tick its encounters end with [`EndReason::PlanChanged`], or are

@@ -56,11 +56,13 @@ pub(super) struct CommandBatch {
     pub(super) changed: Vec<PendingChange>,
     /// Index in `changed` of each slot's change, valid if that entry is of this slot.
     place_of: Vec<usize>,
-    /// New bodies, each with those that it ignores.
-    pub(super) inserted: Vec<(Body, MonitoredBody, Vec<BodyId>)>,
+    pub(super) inserted: Vec<NewBody>,
     /// Pairs to ignore, or to stop ignoring, in the order of the commands.
     pub(super) pairs: Vec<(BodyId, BodyId, PairRule)>,
 }
+
+/// A body that is inserted, and those that it ignores.
+pub(super) type NewBody = (Body, MonitoredBody, Vec<BodyId>);
 
 /// The rule for a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
