@@ -21,3 +21,8 @@ pub(crate) const fn short(count: usize) -> u32 {
 pub(crate) const fn as_f64(count: usize) -> f64 {
     count as f64
 }
+
+/// Returns true if some are more than three quarters of all.
+pub(crate) const fn are_most(some: usize, all: usize) -> bool {
+    4 * some > 3 * all
+}

@@ -10,6 +10,7 @@ use super::budget::TickWork;
 use super::due_times::DueTimes;
 use super::monitored_bodies::MonitoredBodies;
 use crate::broad_phase::PairFilter;
+use crate::count::are_most;
 use crate::narrow_phase::{BodyView, may_touch};
 use crate::rounding::{exact_interval, last_known, latest_exact};
 use crate::scene::{PairAdmission, PlaneHeights, PositionBox};
@@ -80,7 +81,7 @@ impl HalfSpaceSearch {
         let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed. Where most bodies have changed, they may do so again at the next tick.
-        let have_most_changed = 4 * self.to_compare.len() > 3 * bodies.monitored.len();
+        let have_most_changed = are_most(self.to_compare.len(), bodies.monitored.len());
         let until = if have_most_changed {
             // Just so far that `to` is [known](last_known).
             latest_exact(horizon).next_up()

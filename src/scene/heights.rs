@@ -53,7 +53,7 @@ pub(crate) struct PositionBox {
     high: DVec3,
     /// Magnitude of the coordinates, to which their rounding is relative, m.
     size: f64,
-    /// How far the body's spheres reach beyond its position, m.
+    /// Largest distance of a point of the body's spheres from its position, m.
     reach: f64,
 }
 

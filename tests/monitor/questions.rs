@@ -91,7 +91,7 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut [BodyId]) {
 }
 
 /// Asks about an idea for a body: as many conflicts as a screening finds, and the same.
-fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
+pub(super) fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
     let would = monitor.what_if(id, idea, level);
     let window = (monitor.now(), monitor.complete_until());
     if window.0 >= window.1 {
@@ -102,7 +102,7 @@ fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize 
     let mut scene = monitor.scene().clone();
     scene.set_trajectory(id, idea.clone()).unwrap();
     let window = Window::new(window.0, window.1).unwrap();
-    let query = Query::new(window).with_margin(LEVELS[level].margin);
+    let query = Query::new(window).with_margin(monitor.levels()[level].margin);
     let mut screened = scene.screen(&query).unwrap().conflicts;
     screened.retain(|one| one.a == id || one.b == id);
     assert_eq!(bits(&would), bits(&screened), "{window:?} {level}");

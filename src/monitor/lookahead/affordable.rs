@@ -1,9 +1,10 @@
-//! How far ahead a tick with a budget searches where it cannot leave a part of its work to the next tick: bodies that
-//! change again by then are to be searched for again.
+//! Ticks with a budget that cannot leave a part of their work to the next tick, since bodies change again by then. They
+//! search less of the lookahead instead.
 
 use super::super::budget::BudgetMeter;
+use crate::count::are_most;
 
-/// Where most changes again within so many ticks, kept boxes do not pay.
+/// Number of ticks within which most bodies change again where kept boxes do not pay.
 pub(super) const SOON: u32 = 8;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
@@ -50,7 +51,7 @@ impl AffordableLookahead {
         meter: &mut BudgetMeter,
     ) -> f64 {
         self.has_changed = changed > 0;
-        let have_most_changed_again = if 4 * changed > 3 * all {
+        let have_most_changed_again = if are_most(changed, all) {
             std::mem::take(&mut self.since_most_changed) < SOON
         } else {
             self.since_most_changed = self.since_most_changed.saturating_add(1);

@@ -7,6 +7,7 @@ use super::super::prepared::PreparedBodies;
 use super::affordable::SOON;
 use super::{LookaheadSearch, LookaheadSlice};
 use crate::broad_phase::PairFilter;
+use crate::count::are_most;
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
@@ -67,7 +68,7 @@ impl LookaheadSearch {
         let (changed, all) = (self.changed.slots().len(), self.monitored.len());
         let needed = self.slices.iter().take(needed);
         let unknown = needed.clone().map(|slice| slice.unknown(changed, all));
-        4 * unknown.sum::<usize>() > 3 * all * needed.count()
+        are_most(unknown.sum(), all * needed.count())
     }
 
     /// Returns the window in which a lookahead (first and last instant, s) is searched, within the needed slices. It
