@@ -22,6 +22,17 @@ pub(crate) const fn as_f64(count: usize) -> f64 {
     count as f64
 }
 
+/// Converts a number to a count: rounded towards zero, at least 0, at most 2^32 - 1.
+#[inline(always)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "saturates"
+)]
+pub(crate) const fn whole(number: f64) -> u32 {
+    number as u32
+}
+
 /// Returns true if some are more than three quarters of all.
 pub(crate) const fn are_most(some: usize, all: usize) -> bool {
     4 * some > 3 * all

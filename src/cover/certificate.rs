@@ -3,7 +3,7 @@
 use super::cells::needed_radii;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
-use crate::count::as_f64;
+use crate::count::{as_f64, whole};
 use glam::DVec3;
 
 /// Balls that contain a solid.
@@ -27,12 +27,7 @@ pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
     let parts = as_f64(capped.count().max(1));
     // A capped part has a quarter of the square of its sides as points.
     let sides = (4.0 * MAX_POINTS / parts).sqrt().clamp(32.0, 1024.0);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "within the range above"
-    )]
-    let sides = (sides as u32).div_ceil(4) * 4;
+    let sides = whole(sides).div_ceil(4) * 4;
     let each = solid.parts.iter().zip(coarse);
     each.map(|(part, surface)| {
         if !part.is_round() {

@@ -1,7 +1,7 @@
 //! The grid of a monitor: the frame of its boxes, and its slices of time. Both are chosen for its scene.
 
 use crate::bounds::{DAabb, Frame, MovingFrame, Padding};
-use crate::count::as_f64;
+use crate::count::{as_f64, whole};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::query::Query;
 use crate::scene::Scene;
@@ -120,13 +120,8 @@ impl SceneEstimate {
 
 impl Grid {
     /// Returns the number of slices that are about as long as those of a search from nothing; at least 1.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive; saturates"
-    )]
     pub(super) fn slices_to_search(&self) -> usize {
-        (self.search_length / self.length).round().max(1.0) as usize
+        whole((self.search_length / self.length).round().max(1.0)) as usize
     }
 
     /// Slices that a lookahead is cut into, at least and at most. The boxes of more slices are tighter,

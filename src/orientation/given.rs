@@ -3,6 +3,7 @@
 use super::arc::{Arc, MAX_SPEED, angle_within};
 use super::piece::{RotationCurve, RotationPiece};
 use super::quaternion_cubic::QuaternionCubic;
+use crate::count::whole;
 use crate::error::{Error, Quantity};
 use crate::rounding::{norm, without_negative_zero};
 use crate::trajectory::{Outside, check_number, check_times};
@@ -160,13 +161,8 @@ fn with_ends(
 }
 
 /// Rounds a number of parts up; at least one.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "half a turn has some hundred parts at most"
-)]
 fn part_count(share: f64) -> u32 {
-    share.ceil().max(1.0) as u32
+    whole(share.ceil().max(1.0))
 }
 
 /// Returns the unit quaternion of a given rotation.

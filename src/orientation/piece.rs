@@ -4,6 +4,7 @@ use super::arc::{Arc, MAX_SPEED, parts_of_revolution};
 use super::baked::BakedRotation;
 use super::quaternion_cubic::{QuaternionCubic, equal_cut};
 use crate::accuracy::Accuracy;
+use crate::count::whole;
 use glam::DQuat;
 use std::f64::consts::TAU;
 
@@ -136,12 +137,7 @@ const fn short_of(value: f64) -> f64 {
 fn equal_part(ends: (f64, f64), count: u32, time: f64) -> (f64, f64) {
     let (start, end) = ends;
     let share = (time - start) / (end - start) * f64::from(count);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates"
-    )]
-    let mut number = (share as u32).min(count - 1);
+    let mut number = whole(share).min(count - 1);
     while number > 0 && equal_cut(ends, number, count) > time {
         number -= 1;
     }

@@ -6,6 +6,7 @@
 
 use super::baked::BakedRotation;
 use crate::blossom::restrict;
+use crate::count::whole;
 use glam::{DMat3, DQuat, DVec3};
 
 /// A cubic of quaternions between two knots, in Bézier form.
@@ -87,14 +88,8 @@ impl QuaternionCubic {
             let factor = (error / tolerance).sqrt().sqrt();
             // At most three quarters of what the power says: it holds for short parts alone.
             let next = f64::from(count) * factor.clamp(1.0, 4.0) * 0.75;
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a small number"
-            )]
-            let next = next as u32;
             // Near the tolerance the power says too little: each count is tried on all its parts.
-            count = next.max(count + 1 + count / 8);
+            count = whole(next).max(count + 1 + count / 8);
         }
         None
     }

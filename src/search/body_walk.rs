@@ -1,7 +1,7 @@
 //! The walk of one body through a few slices.
 
 use crate::bounds::{BoundingCubic, BoundsBuilder, CubicSource, FatLine, SliceInterval, SubCubic};
-use crate::count::short;
+use crate::count::{as_f64, short, whole};
 use crate::knots::Knots;
 use parry3d::bounding_volume::Aabb;
 
@@ -67,25 +67,40 @@ pub(super) fn exists<C, const MOVES: bool>(
     first <= to && last >= from
 }
 
+/// Returns the cubic that is passed at an instant (s) if all of a plan's cubics last equally long.
+#[inline(always)]
+pub(super) fn likely_cubic(knots: &Knots<'_>, time: f64) -> u32 {
+    let (first, last) = knots.ends();
+    whole((time - first) / (last - first) * as_f64(knots.cubics()))
+}
+
 /// Returns the last cubic that begins before `time` (or the first), searched from a guess.
 #[inline(always)]
 pub(super) fn cubic_before(knots: &Knots<'_>, time: f64, guess: u32) -> usize {
     /// Linear steps before the search halves the rest.
     const STEPS: usize = 8;
-    let guess = guess as usize;
     if knots.has_unlisted_cubics() {
         return knots.count(|knot| knot < time).max(1) - 1;
     }
     let knots = knots.own();
-    let known = guess < knots.len() && knots[guess] < time;
-    let mut piece = if known { guess } else { 0 };
-    for _ in 0..STEPS {
-        if piece + 1 >= knots.len() || knots[piece + 1] >= time {
-            return piece;
+    let mut cubic = (guess as usize).min(knots.len().saturating_sub(1));
+    if knots.get(cubic).is_some_and(|&knot| knot < time) {
+        for _ in 0..STEPS {
+            if knots.get(cubic + 1).is_none_or(|&knot| knot >= time) {
+                return cubic;
+            }
+            cubic += 1;
         }
-        piece += 1;
+        cubic + knots[cubic + 1..].partition_point(|&knot| knot < time)
+    } else {
+        for _ in 0..STEPS {
+            cubic = cubic.saturating_sub(1);
+            if cubic == 0 || knots[cubic] < time {
+                return cubic;
+            }
+        }
+        knots[..cubic].partition_point(|&knot| knot < time).max(1) - 1
     }
-    piece + knots[piece + 1..].partition_point(|&knot| knot < time)
 }
 
 /// Returns the last cubic that begins by `time`, from one that begins before it. Slices are closed:

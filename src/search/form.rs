@@ -1,7 +1,8 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
 use super::body_walk::{
-    MAX_SLICES, PrefetchTarget, cubic_at, cubic_before, ends_of, exists, slice_intervals_of, walk,
+    MAX_SLICES, PrefetchTarget, cubic_at, cubic_before, ends_of, exists, likely_cubic,
+    slice_intervals_of, walk,
 };
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
@@ -150,6 +151,8 @@ pub(crate) struct SliceBlock {
     /// The number of a cubic of each body: the first one in the block until the body is walked, then the last one.
     /// In the next block the search for the first one begins there.
     cubic_numbers: Vec<u32>,
+    /// The end of the block (s), if it has been walked.
+    end: Option<f64>,
 }
 
 impl SliceBlock {
@@ -217,6 +220,15 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         self.block.clear(count, present.len());
         let mut memory = [SliceInterval::UNUSED; MAX_SLICES];
         let slice_intervals = slice_intervals_of(ends, slice_interval, &mut memory);
+        let (from, to) = ends_of(slice_intervals);
+        if self.block.end.replace(to) != Some(from) {
+            let likely = self
+                .sources
+                .iter()
+                .map(|source| likely_cubic(&source.knots, from));
+            self.block.cubic_numbers.clear();
+            self.block.cubic_numbers.extend(likely);
+        }
         self.block.cubic_numbers.resize(self.sources.len(), 0);
         for number in 0..Self::AHEAD {
             self.find_first_cubic(number, slice_intervals);
@@ -229,6 +241,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
             let SliceBlock {
                 slices,
                 cubic_numbers,
+                ..
             } = &mut *self.block;
             let first = || cubic_numbers[body] as usize;
             let mut put = |slice: usize, bounds| slices[slice].push(place, bounds);

@@ -1,7 +1,7 @@
 //! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
 //! memory, just before they are used.
 
-use super::body_walk::{MAX_SLICES, cubic_before, ends_of, slice_intervals_of, walk};
+use super::body_walk::{MAX_SLICES, cubic_before, ends_of, likely_cubic, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
     BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
@@ -229,7 +229,8 @@ impl<B: SourcesInPlace, const MOVES: bool> Task for WalkInPlace<'_, B, MOVES> {
     #[inline(always)]
     fn run(mut self) {
         let source = self.bodies.source(self.body);
-        let first = || cubic_before(&source.knots, self.slice_intervals[0].from, 0);
+        let from = self.slice_intervals[0].from;
+        let first = || cubic_before(&source.knots, from, likely_cubic(&source.knots, from));
         walk(&source, self.slice_intervals, (None, first), &mut self.put);
     }
 }

@@ -1,5 +1,7 @@
 //! Lifetimes of bodies: the intervals in which they exist.
 
+use crate::count::short;
+
 /// First and last instant of each body, s; most bodies of long recordings exist in few slices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lifetimes(Vec<(f64, f64)>);
@@ -33,17 +35,13 @@ impl Lifetimes {
     }
 
     /// Lists the places of the bodies that exist within `from..=to` (s), ascending.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "bodies are counted in 32 bits"
-    )]
     pub(crate) fn list(&self, (from, to): (f64, f64), present: &mut Vec<u32>) {
         present.clear();
         present.resize(self.0.len(), 0);
         let mut count = 0;
         for (place, &(first, last)) in self.0.iter().enumerate() {
             // Written in any case, kept if it exists: whether it does cannot be predicted.
-            present[count] = place as u32;
+            present[count] = short(place);
             count += usize::from(first <= to && last >= from);
         }
         present.truncate(count);

@@ -1,6 +1,7 @@
 //! Division of the window into slices.
 
 use super::pace::Pace;
+use crate::count::whole;
 use std::ops::Range;
 
 /// A window divided into slices at a [pace](Pace). Answers do not depend on the slices, only the cost does.
@@ -131,7 +132,7 @@ impl<'p> TimeSlices<'p> {
     /// Returns the window in about `count` slices; in one if that is NaN or infinite.
     pub(crate) fn with_count(self, count: f64) -> Self {
         let count = if count >= 1.0 && count.is_finite() {
-            whole_number(count.round().min(Self::MAX_SLICES))
+            whole(count.round().min(Self::MAX_SLICES))
         } else {
             1
         };
@@ -159,7 +160,7 @@ impl<'p> TimeSlices<'p> {
 
     /// Returns the number of the slice at a share of the window, 0..1.
     pub(crate) fn number_at(&self, share: f64) -> u32 {
-        whole_number((share * f64::from(self.count)).floor()).min(self.count - 1)
+        whole(share * f64::from(self.count)).min(self.count - 1)
     }
 
     pub(crate) const fn count(&self) -> u32 {
@@ -193,15 +194,6 @@ impl<'p> TimeSlices<'p> {
             self.pace.at(share, (self.start, self.end))
         }
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a whole number up to MAX_SLICES"
-)]
-fn whole_number(count: f64) -> u32 {
-    count as u32
 }
 
 #[cfg(test)]

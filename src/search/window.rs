@@ -11,7 +11,7 @@ use super::{
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter};
-use crate::count::{as_f64, short};
+use crate::count::{as_f64, short, whole};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -373,23 +373,21 @@ struct SliceBlocks {
 
 impl SliceBlocks {
     /// Least number of blocks per thread, if several threads share them.
-    const FEWEST: u32 = 2;
-    /// Least number of slices in a block, for slices with less than one cubic per body, and with
-    /// more. With more slices, cubics are read less often, but the lists of boxes leave the caches.
-    const FEW_SLICES: [usize; 2] = [4, 8];
+    const FEWEST: u32 = 3;
+    /// Usual number of slices in a block of slices with less than one cubic per body.
+    const FEW_SLICES: usize = 4;
+    /// Boxes of a block of slices with more cubics, and the least and largest number of its slices. With more slices,
+    /// cubics are read less often, but the lists of boxes leave the caches, and their memory is new in a first screening.
+    const CACHED_BOXES: f64 = 16_384.0;
+    const CACHED_SLICES: [usize; 2] = [2, 8];
     /// Boxes that make longer blocks where bodies are few. More of them save less than their memory
     /// costs when it is first touched.
-    const CACHED_BOXES: f64 = 512.0;
+    const FEW_BOXES: f64 = 512.0;
     /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
     const MAX_BOXES: usize = 1 << 20;
     /// Approximate largest number of boxes of the blocks of a merge.
     const MERGE_BOXES: usize = 1 << 24;
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "rounds towards zero, saturates"
-    )]
     fn of(
         slices: &TimeSlices<'_>,
         statistics: &SceneStatistics,
@@ -398,9 +396,13 @@ impl SliceBlocks {
         let present = statistics.present(slices.busy());
         let cubics = statistics.cubics_in(slices.length());
         let slices = slices.count();
-        let cached = (Self::CACHED_BOXES / present) as usize;
-        let few = Self::FEW_SLICES[usize::from(cubics >= 1.0)];
-        let fit = cached.clamp(few, MAX_SLICES);
+        let usual = if cubics < 1.0 {
+            Self::FEW_SLICES
+        } else {
+            let [least, largest] = Self::CACHED_SLICES;
+            (whole(Self::CACHED_BOXES / present) as usize).clamp(least, largest)
+        };
+        let fit = (whole(Self::FEW_BOXES / present) as usize).clamp(usual, MAX_SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(short(most));
         let threads = short(threads);

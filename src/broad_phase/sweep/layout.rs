@@ -1,6 +1,7 @@
 //! Choice of the axis to sweep along, and of the number of rows and bins.
 
 use super::quantizer::STEPS;
+use crate::count::whole;
 
 /// The grid into which boxes are sorted: rows over two axes, fine bins along the third.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,13 +101,4 @@ const fn across(sweep: usize) -> [usize; 2] {
         1 => [0, 2],
         _ => [0, 1],
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "between 1 and STEPS"
-)]
-fn whole(count: f64) -> u32 {
-    count as u32
 }

@@ -8,7 +8,7 @@ mod state;
 use super::bodies::BodyTable;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
-use crate::count::short;
+use crate::count::{as_f64, short, whole};
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -121,15 +121,9 @@ impl LookaheadSlice {
 
     /// Returns the part of `count` that is due now, for a stage of the work that lasts from one share of
     /// all work to another.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a share of a number of slots"
-    )]
     fn due_of(&self, count: usize, (from, to): (f64, f64)) -> usize {
         let share = ((self.due - from) / (to - from)).clamp(0.0, 1.0);
-        (count as f64 * share).ceil() as usize
+        whole((as_f64(count) * share).ceil()) as usize
     }
 
     /// Returns how many slots are to have boxes now.
