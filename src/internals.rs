@@ -40,19 +40,19 @@
 //!    where their *lifetimes* overlap a block. A body that is told another place *teleports*: it has a box at each. Candidates whose fat lines come near each other are *near pairs*.
 //!    The spans of these that cheap tests leave are the *survivors*. The first of these tests compares the hulls
 //!    of two cubics in f32 (`HullTest`). The tests reject only what exceeds the threshold by the *clearance*,
-//!    512 roundings. Searches begin at the earliest and end at the latest exact instant that may be reported as
+//!    512 roundings. The *pace* of slices tells when which share of the bodies' time has passed.
+//!    Searches begin at the earliest and end at the latest exact instant that may be reported as
 //!    an end of the window (`earliest_exact`, `latest_exact`).
 //! 7. `narrow_phase`: a *view* is all that it reads of a body. A margin is *widened* by the model errors of both.
-//!    Over a span, the difference of two motions is a *relative cubic*. Its squared distance has *control
-//!    heights*: its Bernstein coefficients. Between *stationary points* the distance is monotonic: its *profile*
+//!    Over a span, the difference of two motions is a *relative cubic*. Between *stationary points* the distance is monotonic: its *profile*
 //!    has these and the ends of the span as *nodes*. A *dip* is a minimum that the rounding of the squared
 //!    distance hides; a *plateau* is a distance that is constant to rounding. A *contact* unites
 //!    the intervals of spans and spheres that are within a threshold. Where a body turns, a span is cut into
-//!    *cells*, the *parts* of clusters. A *question* about a part says how near two spheres must come, and in which
-//!    *pieces* of an interval, to matter. Which spheres are nearer is certain beyond the *slack*, an allowance for
+//!    *cells*. A *question* about clusters says how near two spheres must come in each *step* of an interval to
+//!    matter. Which spheres are nearer is certain beyond the *slack*, an allowance for
 //!    rounding.
-//! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below the control
-//!    heights, and its *leading* coefficient that of x². *Stretches* divide a span into what is certainly inside a
+//! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below a squared
+//!    distance; its *leading* coefficient is that of x². *Stretches* divide a span into what is certainly inside a
 //!    threshold, certainly outside, or undecided.
 //! 9. `screen`: contacts become conflicts. This is the end of a screening.
 //! 10. `monitor`: changes are prepared in a `ChangeContext`. The *lookahead search* keeps *solved spans*

@@ -93,7 +93,7 @@ pub trait Real:
     #[doc(hidden)]
     #[inline(always)]
     #[must_use]
-    fn or_less(self, other: Self) -> Self {
+    fn min_or_other(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
 
@@ -101,9 +101,19 @@ pub trait Real:
     #[doc(hidden)]
     #[inline(always)]
     #[must_use]
-    fn or_more(self, other: Self) -> Self {
+    fn max_or_other(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
+}
+
+/// Returns the least of some numbers, without those that are NaN.
+#[inline(always)]
+pub(crate) fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
+    let mut least = f64::INFINITY;
+    for number in numbers {
+        least = number.min_or_other(least);
+    }
+    least
 }
 
 macro_rules! implement_real {

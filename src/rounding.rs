@@ -11,7 +11,7 @@
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
-//! | points of curves: origin, ways | `trajectory/curves/bezier` | `curves::tests` |
+//! | points of curves: origin, displacements | `trajectory/curves/bezier` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
 //! | rounding of their difference | `trajectory/simplified` | proof 10 |
@@ -19,8 +19,8 @@
 //! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
 //! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
 //! | 1 + 2^-40 on these: terms of second order | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error_to_second_order` |
-//! | heights above a plane: origins, ways, underflow | `narrow_phase/relative` | `relative::tests::heights_are_within_the_error` |
-//! | a sphere's way along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
+//! | heights above a plane: origins, displacements, underflow | `narrow_phase/relative` | `relative::tests::heights_are_within_the_error` |
+//! | a sphere's path along a normal | `narrow_phase/half_space` | `half_space::tests::lines_are_within_their_error_of_the_heights` |
 //! | the lowest of several spheres: places, radii | `narrow_phase/half_space` | `half_space::tests::no_sphere_is_lower_than_the_lowest_one` |
 //! | clearances of both comparisons span by span | `narrow_phase/half_space` | `half_space::tests::what_touches_is_not_ruled_out` |
 //! | clearance of the first comparison | `scene/heights` | `tests/half_space` `guards` |
@@ -36,15 +36,15 @@
 //! | twice the error in it | `orientation/turning` | proof 13 |
 //! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/clusters` | `clusters::tests` |
 //! | instants of a bounding sphere | `narrow_phase/clusters/cells` | proof 14 |
-//! | heights of pairs of spheres, and of parts of them | `narrow_phase/clusters/candidates` | `clusters::tests`, `candidates::tests` |
+//! | coefficients of pairs of spheres, and of parts of them | `narrow_phase/clusters/candidates` | `clusters::tests`, `candidates::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of rejections: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
 //! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
-//! | squares of heights | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
+//! | squares of coefficients | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
 //! | tolerance before roots, once | `narrow_phase/profile` | `profile::tests` |
 //! | tolerance before roots, once more | `narrow_phase/profile` | proof 1 |
-//! | differences of heights; tolerance of intervals | `narrow_phase/squared_distance`, `profile` | `squared_distance::tests`, `rejection::tests` |
+//! | differences of coefficients; tolerance of intervals | `narrow_phase/squared_distance`, `profile` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | clearance of what pairs must reach, wherever it is used | `narrow_phase/clusters/search` | `clusters::tests` |
@@ -55,11 +55,11 @@
 //! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
 //! | rounding of a slope | `enclosure/minorant` | `minorant::exactly::the_slope_is_below_the_exact_one` |
 //! | rounding of the leading coefficient: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
-//! | a minorant's least value: base, sink | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
+//! | a minorant's least value: base, depth | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
 //! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_threshold_beyond_its_reach` |
 //! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance, ends of parameters | `enclosure/minimum` | `minimum::tests` |
-//! | Markov's 18, 96 and 192, the error across the way, what a range takes away | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_whatever_the_error` |
+//! | Markov's 18, 96 and 192, the error across the displacement, what a range takes away | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_whatever_the_error` |
 //! | rounding of a stationary point's slope | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_of_a_rounded_slope` |
 //! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `stationary` | proof 3 |
 //! | twice the error to a minimiser | `enclosure/minimum` | `tests/extended/tests/enclosure` |
@@ -76,9 +76,9 @@
 //! | own error of a segment, whole or in part | `bounds/points` | `points::tests::what_is_badly_known_is_held` |
 //! | splits of a compact trajectory | `bounds/sub_cubic` | `sub_cubic::tests` |
 //! | hitbox and margin, underflow | `bounds/placement` | `source::tests` |
-//! | line of a run of cubics; its way in no time; its sum; sums of a fat line, lengths that vanish | `bounds/builder` | `builder::tests` |
+//! | line of a run of cubics; its displacement in no time; its sum; sums of a fat line, lengths that vanish | `bounds/builder` | `builder::tests` |
 //! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
-//! | the way of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
+//! | the displacement of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
 //! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `screen/mod` | `tests/monitor` `budgets` |
@@ -88,11 +88,11 @@
 //! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
 //! | rounding of positions that are returned | `trajectory/segment` | proof 11 |
 //!
-//! 1. Dropped once, the heights' own 64 roundings cover it. The solver's error is 48 roundings of
+//! 1. Dropped once, the coefficients' own 64 roundings cover it. The solver's error is 48 roundings of
 //!    the size in the worst case; two or three in tests.
 //! 2. Two of five first-order terms: the errors of the coefficients cover them in all tests, since
 //!    no test has all of their 24 roundings at their worst. (Of the first coefficient four of five
-//!    are needed; hill climbing reached 4.09.) The sink of lanes has five in eight of its own.
+//!    are needed; hill climbing reached 4.09.) The depth of lanes has five in eight of its own.
 //! 3. Second order: only the bounds' own rounding.
 //! 4. Eight roundings of a square where seven are counted, four of a square for three, four of an
 //!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.

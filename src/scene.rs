@@ -302,7 +302,7 @@ impl Scene {
         let checked = Body::check_turning(&hitbox, &body.orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;
         let old = std::mem::replace(&mut body.hitbox, hitbox);
-        self.note_shape(id);
+        self.count_shape(id);
         Ok(old)
     }
 

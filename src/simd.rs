@@ -79,7 +79,7 @@ impl InstructionSet {
         match self.0 {
             Set::Portable => task.run(),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: a `InstructionSet` of these sets is only made where the processor has AVX2, BMI1 and
+            // SAFETY: an `InstructionSet` of these sets is only made where the processor has AVX2, BMI1 and
             // BMI2.
             Set::Avx2 | Set::Avx512 => unsafe { run_avx2(task) },
         }
@@ -174,10 +174,10 @@ macro_rules! for_each_instruction_set {
             match instructions.set() {
                 $crate::simd::Set::Portable => portable($($argument),*),
                 #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX2.
+                // SAFETY: an `InstructionSet` of this set is only made where the processor has AVX2.
                 $crate::simd::Set::Avx2 => unsafe { avx2($($argument),*) },
                 #[cfg(target_arch = "x86_64")]
-                // SAFETY: a `InstructionSet` of this set is only made where the processor has AVX-512 F,
+                // SAFETY: an `InstructionSet` of this set is only made where the processor has AVX-512 F,
                 // DQ, BW and VL.
                 $crate::simd::Set::Avx512 => unsafe { avx512($($argument),*) },
             }

@@ -46,7 +46,7 @@ fn hull_test_of<const UNLISTED: bool>(
         let piece = body.source.sub_cubic::<UNLISTED>(body.cubic);
         let placement = &body.source.placement;
         let piece = piece.part(from, to);
-        let rounding = piece.rounding() + placement.steady;
+        let rounding = piece.rounding() + placement.constant_rounding;
         (
             piece.points,
             rounding + placement.origin.abs() * (6.0 * ROUNDING),
@@ -68,7 +68,7 @@ fn hull_test_of<const UNLISTED: bool>(
     let sum = (p0 + p3) + (p1 + p2);
     let square = sum.length_squared();
     // Products of coordinates have three roundings of their own. `rounding` counts six of each origin and point, and
-    // the difference uses three of them: three are left. The bound has seven roundings of the radius; `steady`
+    // the difference uses three of them: three are left. The bound has seven roundings of the radius; `constant_rounding`
     // counts eight on each axis.
     let total_rounding = rounding.element_sum();
     let beyond = (radius + total_rounding) * square.sqrt();

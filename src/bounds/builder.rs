@@ -85,12 +85,12 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     #[inline(always)]
     pub(super) fn straight(piece: &StraightPart, slice: &SliceInterval<MOVES>) -> Self {
         let last = slice.relative_at(piece.last, 1.0);
-        let way = piece.last - piece.first;
+        let displacement = piece.last - piece.first;
         // The line of a slice of no duration is a point.
         let (change, aside) = if slice.rate > 0.0 {
-            (way, Vec4::ZERO)
+            (displacement, Vec4::ZERO)
         } else {
-            (Vec4::ZERO, way)
+            (Vec4::ZERO, displacement)
         };
         Self {
             low: piece.first.min(last),
@@ -238,14 +238,14 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         let size = self.start.abs() + self.change.abs() + middle.abs();
         let rounding = size * (9.0 * ROUNDING);
         // A run of cubics is about the line to its end, even if that takes no time.
-        let turned = (end - self.start - self.change).abs();
+        let end_shift = (end - self.start - self.change).abs();
         CubicRun::new(&ScaledRun {
             start: self.start + middle,
             end: end + middle,
             low: self.low,
             high: self.high,
             spread: self.spread,
-            deviation: (deviation + rounding + turned) * (1.0 + 4.0 * ROUNDING),
+            deviation: (deviation + rounding + end_shift) * (1.0 + 4.0 * ROUNDING),
         })
     }
 
@@ -258,7 +258,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         // How far rounding can have moved each coordinate, before it was measured from a moving box.
         let displacement = self.slice.displacement().abs();
         let largest = low.abs().max(high.abs()) + displacement;
-        let rounding = SubCubic::roundings(largest, self.spread, self.splits) + placement.steady;
+        let rounding =
+            SubCubic::roundings(largest, self.spread, self.splits) + placement.constant_rounding;
         let (middle, deviation) = self.middle();
         let (start, change) = (placement.origin + (self.start + middle), self.change);
         // One where the line is moved.

@@ -1,11 +1,11 @@
 //! One cubic in f32.
 
 use super::frame::Frame;
-use super::points::PaddedPoints;
-use super::{FAR, nearest};
+use super::points::InexactPoints;
+use super::{FAR, nearest_vector};
 use crate::trajectory::Segment;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec4};
+use glam::Vec4;
 
 /// One cubic of a compact trajectory, 64 bytes: Bézier points in the trajectory's frame.
 ///
@@ -20,12 +20,9 @@ impl CompactCubic {
     /// Returns the compact cubic, or `None` where f32 does not serve its coordinates.
     #[inline(always)]
     pub(super) fn of(segment: &Segment, ends: (f64, f64), frame: &Frame) -> Option<Self> {
-        let part = PaddedPoints::of(segment, ends);
+        let part = InexactPoints::of(segment, ends);
         let (offset, spread) = (segment.origin() - frame.origin, part.spread() * frame.power);
-        let lanes = |point: DVec3, last: f64| {
-            let DVec3 { x, y, z } = (offset + point) * frame.power;
-            Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
-        };
+        let lanes = |point, last| nearest_vector((offset + point) * frame.power, last);
         let [p0, p1, p2, p3] = part.points;
         let is_served = (offset + p0).abs().max_element() * frame.power + spread < FAR;
         is_served.then(|| {

@@ -4,7 +4,7 @@ use super::compact_cubic::CompactCubic;
 use super::cubic_run::{CubicRun, count_of_runs};
 use super::form_runs::form_runs;
 use super::frame::{DAabb, Frame};
-use super::points::PaddedPoints;
+use super::points::InexactPoints;
 use crate::knots::Knots;
 use crate::rounding::scale_to_one;
 use crate::trajectory::Segment;
@@ -61,7 +61,7 @@ impl CompactTrajectory {
     ) -> (Self, DAabb, f64) {
         let (mut extremes, mut spread, mut error) = (DAabb::NOTHING, 0.0_f64, 0.0_f64);
         for (segment, ends) in segments.iter().zip(knots.windows(2)) {
-            let part = PaddedPoints::of(segment, (ends[0], ends[1]));
+            let part = InexactPoints::of(segment, (ends[0], ends[1]));
             let first = segment.origin() + part.points[0];
             extremes.include(DAabb::about(first, part.extent));
             // It may be lost in the extremes: below their resolution.

@@ -19,10 +19,10 @@ impl FatLine {
     /// slice, far from its line for an instant, and of bodies that are large next to the way they go.
     #[inline]
     pub(crate) fn may_teleport(&self) -> bool {
-        let way = self
+        let displacement = self
             .change
             .into_iter()
-            .fold(0.0, |most: f32, lane| most.max(lane.abs()));
-        self.radius > 0.3 * way
+            .fold(0.0, |most: f32, coordinate| most.max(coordinate.abs()));
+        self.radius > 0.3 * displacement
     }
 }

@@ -1,7 +1,7 @@
 //! Frames of f32 coordinates, and the padding of boxes.
 
-use super::nearest;
 use super::slice_interval::SliceInterval;
+use super::{nearest, nearest_vector};
 use crate::rounding::scale_to_one;
 use crate::shape::BodyShape;
 use glam::{DVec3, Vec4};
@@ -238,10 +238,9 @@ impl Padding {
             half = half.max(-shape.smallest_radius());
         }
         let (low, high) = shape.corners();
-        let lanes = |DVec3 { x, y, z }: DVec3| scaled([x, y, z, 0.0], frame.power);
         Self {
-            low: lanes(low - half),
-            high: lanes(high + half),
+            low: nearest_vector((low - half) * frame.power, 0.0),
+            high: nearest_vector((high + half) * frame.power, 0.0),
             reach: nearest((shape.reach() + half) * frame.power),
             size: nearest(Self::size(shape, margin) * frame.power),
         }
@@ -252,15 +251,4 @@ impl Padding {
     pub(crate) fn size<'a>(shape: impl Into<BodyShape<'a>>, margin: f64) -> f64 {
         shape.into().reach() + margin.abs()
     }
-}
-
-/// Returns the nearest f32 vector in another unit.
-#[inline(always)]
-fn scaled(vector: [f64; 4], power: f64) -> Vec4 {
-    Vec4::new(
-        nearest(vector[0] * power),
-        nearest(vector[1] * power),
-        nearest(vector[2] * power),
-        nearest(vector[3] * power),
-    )
 }

@@ -37,6 +37,8 @@ pub(crate) use compact_cubic::CompactCubic;
 pub(crate) use compact_trajectory::{CacheLine, CompactTrajectory, CompactView};
 pub(crate) use cubic_run::CubicRun;
 pub(crate) use fat_line::FatLine;
+use glam::{DVec3, Vec4};
+
 pub(crate) use frame::{DAabb, Frame, MovingFrame, Padding};
 pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
@@ -56,4 +58,11 @@ const ROUNDING: f32 = 0.5 * f32::EPSILON;
 #[inline(always)]
 fn nearest(value: f64) -> f32 {
     value as f32
+}
+
+/// Returns the nearest f32 vector, with a fourth coordinate.
+#[inline(always)]
+fn nearest_vector(vector: DVec3, last: f64) -> Vec4 {
+    let DVec3 { x, y, z } = vector;
+    Vec4::new(nearest(x), nearest(y), nearest(z), nearest(last))
 }

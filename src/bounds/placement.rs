@@ -1,8 +1,8 @@
 //! Placement of a body's cubics in the frame.
 
 use super::frame::{Frame, Padding};
-use super::{FAR, ROUNDING, nearest};
-use glam::{DVec3, Vec4};
+use super::{FAR, ROUNDING, nearest, nearest_vector};
+use glam::Vec4;
 
 /// The transform from a body's cubics to the frame, and the padding of its boxes.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(crate) struct FramePlacement {
     pub(super) reach: f32,
     /// Rounding that is the same in all of the body's boxes, in the frame's unit; infinite where the frame
     /// does not serve the body. A frame chosen for all bodies always does.
-    pub(super) steady: f32,
+    pub(super) constant_rounding: f32,
 }
 
 impl FramePlacement {
@@ -30,20 +30,19 @@ impl FramePlacement {
         low: Vec4::ZERO,
         high: Vec4::ZERO,
         reach: 0.0,
-        steady: 0.0,
+        constant_rounding: 0.0,
     };
 
     /// The placement of a body that the frame does not serve: leads to a box as large as `f32` allows.
     const ANYWHERE: Self = Self {
         factor: 0.0,
-        steady: f32::INFINITY,
+        constant_rounding: f32::INFINITY,
         ..Self::NONE
     };
 
     /// Returns the placement of cubics with coordinates up to `size`, as far as that is known.
     pub(super) fn new(anchor: Frame, size: f64, padding: &Padding, frame: &Frame) -> Self {
-        let lanes = |DVec3 { x, y, z }: DVec3| Vec4::new(nearest(x), nearest(y), nearest(z), 0.0);
-        let origin = lanes((anchor.origin - frame.origin) * frame.power);
+        let origin = nearest_vector((anchor.origin - frame.origin) * frame.power, 0.0);
         let factor = frame.power / anchor.power;
         let largest =
             f64::from(origin.abs().max_element()) + size * factor + f64::from(padding.size);
@@ -63,7 +62,7 @@ impl FramePlacement {
             high: origin + padding.high,
             reach: padding.reach,
             // What underflows on either side of the factor is below a smallest normal number.
-            steady: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE * factor.max(1.0),
+            constant_rounding: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE * factor.max(1.0),
         }
     }
 
@@ -80,7 +79,7 @@ impl FramePlacement {
             low: padding.low,
             high: padding.high,
             reach: padding.reach,
-            steady: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE,
+            constant_rounding: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::trajectory::{Restriction, Segment};
 use glam::DVec3;
 
 /// Bézier points relative to the segment's origin, m: the input of a compact cubic.
-pub(super) struct PaddedPoints {
+pub(super) struct InexactPoints {
     pub(super) points: [DVec3; 4],
     /// Largest distance of a point from the first one, m.
     pub(super) extent: f64,
@@ -14,7 +14,7 @@ pub(super) struct PaddedPoints {
     pub(super) error: f64,
 }
 
-impl PaddedPoints {
+impl InexactPoints {
     /// Returns the points of a segment between two instants (s), also beyond its knots.
     ///
     /// Four times the error covers all f64 errors:
@@ -72,7 +72,7 @@ mod tests {
     use super::super::{
         CompactCubic, CompactTrajectory, CubicSource, DAabb, Frame, Padding, ROUNDING, SubCubic,
     };
-    use super::PaddedPoints;
+    use super::InexactPoints;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::{FormBounds, SliceBlock, SliceBounds};
@@ -226,7 +226,7 @@ mod tests {
     /// however far beyond the knots.
     #[test]
     fn what_goes_beyond_the_knots_is_held() {
-        /// Errors of the motion, without the box's own: see `PaddedPoints::of`.
+        /// Errors of the motion, without the box's own: see `InexactPoints::of`.
         const SEEN: f64 = 2.25;
         let mut rng = ChaCha8Rng::seed_from_u64(12);
         let mut tightest = f64::INFINITY;
@@ -246,7 +246,7 @@ mod tests {
                     let piece = source.sub_cubic::<true>(number);
                     let [p0, p1, p2, p3] = piece.points;
                     let at = source.placement.origin;
-                    let rounding = piece.rounding() + source.placement.steady;
+                    let rounding = piece.rounding() + source.placement.constant_rounding;
                     let rounding = rounding + at.abs() * (6.0 * ROUNDING);
                     let low = at + p0.min(p1).min(p2.min(p3)) - rounding;
                     let high = at + p0.max(p1).max(p2.max(p3)) + rounding;
@@ -302,7 +302,7 @@ mod tests {
             for plan in [plan, far] {
                 let segment = &plan.segments()[0];
                 let ends = (times[0] + share, times[1] - share);
-                let part = PaddedPoints::of(segment, ends);
+                let part = InexactPoints::of(segment, ends);
                 let error = segment.restrict(ends.0, ends.1).error;
                 let known = if share > 0.0 { error } else { segment.error() };
                 let frame = Frame {

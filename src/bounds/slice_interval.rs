@@ -1,6 +1,6 @@
 //! Time intervals of slices.
 
-use super::{FAR, nearest};
+use super::{FAR, nearest, nearest_vector};
 use glam::{DVec3, Vec4};
 
 /// The time interval of a slice, in which boxes move or rest.
@@ -45,9 +45,8 @@ impl SliceInterval<false> {
     /// common to all bodies is correct, so one beyond f32 becomes zero.
     pub(super) fn moving(self, displacement: DVec3) -> SliceInterval<true> {
         let Self { from, to, rate, .. } = self;
-        let DVec3 { x, y, z } = displacement;
         let displacement = if displacement.abs().max_element() < FAR && rate > 0.0 {
-            Vec4::new(nearest(x), nearest(y), nearest(z), 0.0)
+            nearest_vector(displacement, 0.0)
         } else {
             Vec4::ZERO
         };

@@ -234,12 +234,14 @@ mod tests {
             // In f64 their rounding does not show.
             let reach = radius + 0.5 * margin;
             let wide = |lanes: Vec4| lanes.truncate().as_dvec3();
-            let low = wide(placement.low) - f64::from(placement.steady);
-            let high = wide(placement.high) + f64::from(placement.steady);
+            let low = wide(placement.low) - f64::from(placement.constant_rounding);
+            let high = wide(placement.high) + f64::from(placement.constant_rounding);
             let holds = low.cmple(offset - reach).all() && high.cmpge(offset + reach).all();
             assert!(holds, "{hitbox:?} {margin}");
             let far = offset.length() + reach;
-            assert!(f64::from(placement.reach + placement.steady) >= far * (1.0 - 1e-15));
+            assert!(
+                f64::from(placement.reach + placement.constant_rounding) >= far * (1.0 - 1e-15)
+            );
         }
     }
 

@@ -139,9 +139,9 @@ impl<'a> StraightPieces<'a> {
     /// Returns true if a part begins farther from the end of the part before it than either of them moves.
     #[inline(always)]
     fn teleports_between(&self, before: &StraightPart, after: &StraightPart) -> bool {
-        let ways = (before.last - before.first).abs() + (after.last - after.first).abs();
-        let way = (after.first - before.last).abs();
-        way.max_element() > ways.max_element() + self.placement.reach
+        let displacements = (before.last - before.first).abs() + (after.last - after.first).abs();
+        let jump = (after.first - before.last).abs();
+        jump.max_element() > displacements.max_element() + self.placement.reach
     }
 
     /// Returns the part of a motion between two instants (s).
@@ -204,7 +204,7 @@ mod tests {
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
-    /// solver's error around it: also where its states are old, and their way cancels with their position.
+    /// solver's error around it: also where its states are old, and their displacement cancels with their position.
     #[test]
     fn motions_told_one_after_another_are_held() {
         const SEEN: f64 = 2.25;

@@ -156,7 +156,10 @@ impl Methods {
         match method {
             Method::BruteForce => self.brute_force.pairs(boxes, filter, candidates),
             Method::Tree => self.tree.pairs(boxes, filter, candidates),
-            Method::Sweep => self.sweep.at(instructions).pairs(boxes, filter, candidates),
+            Method::Sweep => self
+                .sweep
+                .set_instruction_set(instructions)
+                .pairs(boxes, filter, candidates),
         }
     }
 }

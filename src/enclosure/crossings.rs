@@ -3,7 +3,7 @@
 use super::crossing_estimate::{crossing_estimate, nearest_certain};
 use super::minorant::Minorant;
 use super::part::{part, point, reversed, squared_distance};
-use super::scaled::{SLACK, ScaledCubic, TINY};
+use super::scaled::{SECOND_ORDER, ScaledCubic, TINY};
 use super::stretches::Stretches;
 use super::thresholds::{SignPattern, SquaredThresholds};
 use super::{Threshold, UncertainCubic, Verdict};
@@ -82,11 +82,11 @@ impl UncertainCubic {
             return Stretches::all(Verdict::Outside);
         }
         let cubic = ScaledCubic::new(self);
-        let low = cubic.bring_below(threshold.low);
-        let high = cubic.bring_above(threshold.high);
+        let low = cubic.scaled_below(threshold.low);
+        let high = cubic.scaled_above(threshold.high);
         // What is compared with `own` has passed `computed` before: the four roundings more cover
         // those of forming the thresholds themselves.
-        let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().or_more(high.abs());
+        let error = cubic.part_error() + 4.0 * UNIT_ROUNDOFF * low.abs().max_or_other(high.abs());
         let mut search = PartitionSearch {
             cubic,
             low,
@@ -116,16 +116,17 @@ impl PartitionSearch {
         let (s0, s3) = (coefficients[0], coefficients[6]);
         let inner = points[1]
             .length_squared()
-            .or_more(points[2].length_squared());
-        let square = s0.or_more(s3).or_more(inner);
+            .max_or_other(points[2].length_squared());
+        let square = s0.max_or_other(s3).max_or_other(inner);
         // Section 2 of the module documentation.
         let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT_ROUNDOFF);
-        let error =
-            (8.0 * UNIT_ROUNDOFF * square + rounding * (2.0 * size + rounding)) * SLACK + TINY;
+        let error = (8.0 * UNIT_ROUNDOFF * square + rounding * (2.0 * size + rounding))
+            * SECOND_ORDER
+            + TINY;
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         for c in coefficients {
-            least = least.or_less(c);
-            greatest = greatest.or_more(c);
+            least = least.min_or_other(c);
+            greatest = greatest.max_or_other(c);
         }
         let (least, greatest) = (least - error, greatest + error);
         if least > self.own.outside {
@@ -174,7 +175,7 @@ impl PartitionSearch {
             return Trim::Examine(2.0 * reach);
         }
         // A touch: all of the part is next to the outer threshold or beyond, and so is what is trimmed.
-        let touching = (self.high - 4.0 * self.cubic.part_error()).or_more(0.0);
+        let touching = (self.high - 4.0 * self.cubic.part_error()).max_or_other(0.0);
         let is_next = |x: f64| point(points, x).length_squared() <= self.blurred.outside;
         if reach < SETTLED && least >= touching * touching && is_next(reach) {
             Trim::Undecided(reach)
@@ -194,7 +195,8 @@ impl PartitionSearch {
         crossed: Crossed,
     ) -> (f64, f64) {
         let at = |x: f64| origin + x * (target - origin);
-        let resolution = 4.0 * UNIT_ROUNDOFF * origin.or_more(target) / (target - origin).abs();
+        let resolution =
+            4.0 * UNIT_ROUNDOFF * origin.max_or_other(target) / (target - origin).abs();
         let square_at = |s: f64| point(&self.cubic.points, s).length_squared();
         let error = self.cubic.part_error();
 
@@ -302,11 +304,15 @@ impl PartitionSearch {
             Trim::Undecided(_) | Trim::None => search.found.append(end, Verdict::Undecided),
         };
         if is_falling {
-            let s = (end - x * width - rounding).or_more(start);
+            let s = (end - x * width - rounding).max_or_other(start);
             self.found.append(s, Verdict::Outside);
             inner(self, s, end);
         } else {
-            inner(self, start, (start + x * width + rounding).or_less(end));
+            inner(
+                self,
+                start,
+                (start + x * width + rounding).min_or_other(end),
+            );
             self.found.append(end, Verdict::Outside);
         }
         true

@@ -142,8 +142,8 @@ impl ParameterEnclosure {
 
     pub(super) fn hull(self, other: Self) -> Self {
         Self {
-            first: self.first.or_less(other.first),
-            last: self.last.or_more(other.last),
+            first: self.first.min_or_other(other.first),
+            last: self.last.max_or_other(other.last),
         }
     }
 }

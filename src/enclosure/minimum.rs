@@ -2,8 +2,8 @@
 
 use super::minorant::Minorant;
 use super::part::{part, point, split};
-use super::reach::{NARROW, can_reach, farthest_reached, minorant_between, outward};
-use super::scaled::{SLACK, ScaledCubic, TINY};
+use super::reach::{NARROW, farthest_reached, may_attain, minorant_between, outward};
+use super::scaled::{SECOND_ORDER, ScaledCubic, TINY};
 use super::stationary::stationary_reach;
 use super::{DistanceEnclosure, Effort, LeastDistance, ParameterEnclosure, UncertainCubic};
 use crate::guess::least_point;
@@ -65,7 +65,7 @@ impl UncertainCubic {
             lower: f64::NEG_INFINITY,
         };
         let ends = [0.0, 0.5 * guess, guess, 0.5 * (guess + 1.0), 1.0];
-        let lowers = lowers.map(|square| cubic.bring_square(square));
+        let lowers = lowers.map(|square| cubic.scaled_square(square));
         search.branch(parts_between(&ends, &lowers));
         search.best
     }
@@ -112,10 +112,10 @@ pub(crate) fn enclosure(lower: f64, reached: f64, error: f64) -> DistanceEnclosu
     // One unit of the root is that of the root and of the difference, half of one each. The number before one
     // above zero has the bits before its own; there is none before zero, and that NaN is dropped by the
     // choice of the larger one.
-    let root = lower.or_more(0.0).sqrt();
+    let root = lower.max_or_other(0.0).sqrt();
     let low = f64::from_bits(root.to_bits().wrapping_sub(1)) - error;
     DistanceEnclosure {
-        low: low.or_more(0.0),
+        low: low.max_or_other(0.0),
         high: (root_above(reached) + error).next_up(),
     }
 }
@@ -125,7 +125,7 @@ pub(crate) fn enclosure(lower: f64, reached: f64, error: f64) -> DistanceEnclosu
 #[inline(always)]
 pub(crate) fn target(size: f64, error: f64, best: f64) -> f64 {
     let nearest = best.sqrt();
-    let root = nearest - (0.25 * error).or_more(8.0 * UNIT_ROUNDOFF * size);
+    let root = nearest - (0.25 * error).max_or_other(8.0 * UNIT_ROUNDOFF * size);
     // Next to zero the spacing of the parameters alone moves the distance by 6u M.
     if (root > 0.0) & (nearest > 16.0 * UNIT_ROUNDOFF * size) {
         root * root
@@ -173,7 +173,7 @@ impl<'c> BranchAndBound<'c> {
             error: cubic.part_error(),
             best: guess,
             square: before.base,
-            lower: before.lower().or_less(after.lower()),
+            lower: before.lower().min_or_other(after.lower()),
         };
         (search, minorants)
     }
@@ -193,7 +193,7 @@ impl<'c> BranchAndBound<'c> {
     fn hull(&self, [before, after]: &[Minorant; 2]) -> Option<ParameterEnclosure> {
         let bound = largest_square(self.error, self.square);
         let sides = [(before, 0.0), (after, 1.0)];
-        let reached = sides.map(|(minorant, tip)| can_reach(minorant, bound, self.best, tip));
+        let reached = sides.map(|(minorant, tip)| may_attain(minorant, bound, self.best, tip));
         let reached = reached.into_iter().flatten();
         reached.reduce(ParameterEnclosure::hull)
     }
@@ -205,8 +205,8 @@ impl<'c> BranchAndBound<'c> {
         let [first, last] = [hull.first, hull.last]
             .map(|tip| farthest_reached(&self.cubic.points, bound, self.best, tip));
         ParameterEnclosure {
-            first: first.or_more(hull.first),
-            last: last.or_less(hull.last),
+            first: first.max_or_other(hull.first),
+            last: last.min_or_other(hull.last),
         }
     }
 
@@ -220,14 +220,14 @@ impl<'c> BranchAndBound<'c> {
         } else {
             (after, 1.0 - s)
         };
-        let range = (s - hull.first).or_more(hull.last - s) / length * SLACK;
+        let range = (s - hull.first).max_or_other(hull.last - s) / length * SECOND_ORDER;
         if range > WIDEST {
             return hull;
         }
-        let reach = stationary_reach(&longer, self.error, range) * length * SLACK;
+        let reach = stationary_reach(&longer, self.error, range) * length * SECOND_ORDER;
         ParameterEnclosure {
-            first: outward(s - reach, -1.0).or_more(hull.first),
-            last: outward(s + reach, 1.0).or_less(hull.last),
+            first: outward(s - reach, -1.0).max_or_other(hull.first),
+            last: outward(s + reach, 1.0).min_or_other(hull.last),
         }
     }
 
@@ -282,7 +282,7 @@ impl<'c> BranchAndBound<'c> {
         let possible = parts.iter().filter(|part| part.lower <= bound);
         let reached = possible.filter_map(|part| {
             let (minorant, base, tip) = minorant_between(&self.cubic.points, part.start, part.end);
-            can_reach(&minorant, bound, base, tip)
+            may_attain(&minorant, bound, base, tip)
         });
         reached.reduce(ParameterEnclosure::hull)
     }

@@ -30,7 +30,7 @@ impl Minorant {
 
         // m A and A². Where their product underflows, m A is below 1e-161, and what it would add
         // below TINY.
-        let largest = g11.or_more(g22).or_more(g33);
+        let largest = g11.max_or_other(g22).max_or_other(g33);
         let product = (base * largest).sqrt();
         // In units: 4 m A for e1, 19 m A + 10 A² for the others; two more of e1, for the difference
         // and the product below, one of the others: 2 m A + A² at most. One more in 20 covers the
@@ -50,16 +50,20 @@ impl Minorant {
 
         let slope = 6.0 * e1;
         let leading = (15.0 * (e2 - 2.0 * e1))
-            .or_less(5.0 * (e3 - 3.0 * e1))
-            .or_less(2.5 * (e4 - 4.0 * e1))
-            .or_less(1.5 * (e5 - 5.0 * e1))
-            .or_less(e6 - slope);
-        let least = e2.or_less(e3).or_less(e4).or_less(e5).or_less(e6);
+            .min_or_other(5.0 * (e3 - 3.0 * e1))
+            .min_or_other(2.5 * (e4 - 4.0 * e1))
+            .min_or_other(1.5 * (e5 - 5.0 * e1))
+            .min_or_other(e6 - slope);
+        let least = e2
+            .min_or_other(e3)
+            .min_or_other(e4)
+            .min_or_other(e5)
+            .min_or_other(e6);
         Self {
             base,
             slope,
             leading: leading - leading_error,
-            floor: (least - error).or_less(e1),
+            floor: (least - error).min_or_other(e1),
         }
     }
 
@@ -69,12 +73,12 @@ impl Minorant {
         let (slope, leading) = (self.slope, self.leading);
         // Both are formed: a choice of results makes no branch.
         let at_vertex = slope * (slope / (4.0 * leading)) + TINY;
-        let at_end = (-(slope + leading)).or_more(0.0);
+        let at_end = (-(slope + leading)).max_or_other(0.0);
         let is_inside = (slope < 0.0) & (leading > 0.0) & (-slope <= 2.0 * leading);
         let by_quadratic = if is_inside { at_vertex } else { at_end };
-        let sink = by_quadratic.or_less((-self.floor).or_more(0.0));
+        let depth = by_quadratic.min_or_other((-self.floor).max_or_other(0.0));
         // Two roundings of the quadratic or one of the chord, two of the product, one of the difference.
-        self.base - sink * (1.0 + 8.0 * UNIT_ROUNDOFF) - 6.0 * UNIT_ROUNDOFF * self.base - TINY
+        self.base - depth * (1.0 + 8.0 * UNIT_ROUNDOFF) - 6.0 * UNIT_ROUNDOFF * self.base - TINY
     }
 
     /// Returns an x beyond which the squared distance is certainly above `threshold`, or 1 if unknown.
@@ -83,12 +87,12 @@ impl Minorant {
         let (slope, leading) = (self.slope, self.leading);
         let base = self.base * (1.0 - 8.0 * UNIT_ROUNDOFF) - TINY;
         // Room above the base; the quadratic exceeds it beyond its larger root.
-        let gap = (threshold - base).or_more(TINY);
+        let gap = (threshold - base).max_or_other(TINY);
         let x = if leading > 0.0 {
             // sqrt(slope² + 4 leading gap) <= |slope| + 2 sqrt(leading gap), and each term alone holds.
             let by_leading = (gap / leading).sqrt();
             if slope >= 0.0 {
-                by_leading.or_less(gap / slope)
+                by_leading.min_or_other(gap / slope)
             } else {
                 by_leading - slope / leading
             }

@@ -93,11 +93,11 @@
 //!
 //! ```text
 //! d(x) >= m² + c1 x + c2 x²
-//! d(x) >= m² - sink,     sink = c1² / (4 c2)          where c1 < 0 and -c1 <= 2 c2,
+//! d(x) >= m² - depth,     depth = c1² / (4 c2)          where c1 < 0 and -c1 <= 2 c2,
 //!                               max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
 //! ```
 //!
-//! If k0 is a minimum up to rounding, c1 is of the order of u m A, so sink is of the order of u²
+//! If k0 is a minimum up to rounding, c1 is of the order of u m A, so depth is of the order of u²
 //! m²: the lower bound is m² but for a few roundings of m², even for m far below M. The computed m²
 //! has a relative error of 3 u, and two differences follow; 6 u m² is subtracted. c2 takes at most
 //! 15 times the error of a coefficient, and 4 roundings of terms of 54 m A + 9 A² in sum; it is

@@ -25,7 +25,7 @@ pub(super) fn minorant_between(points: &ControlPolygon, a: f64, b: f64) -> (Mino
 /// Returns the parameters between `base` and `tip` at which the squared distance can be at most
 /// `bound`, with the minorant of that part around `base`.
 #[inline]
-pub(super) fn can_reach(
+pub(super) fn may_attain(
     minorant: &Minorant,
     bound: f64,
     base: f64,
@@ -34,22 +34,22 @@ pub(super) fn can_reach(
     if minorant.lower() > bound {
         return None;
     }
-    let farthest = reach(minorant, bound, base, tip);
+    let farthest = parameter_reach(minorant, bound, base, tip);
     Some(ParameterEnclosure {
-        first: base.or_less(farthest),
-        last: base.or_more(farthest),
+        first: base.min_or_other(farthest),
+        last: base.max_or_other(farthest),
     })
 }
 
 /// Returns the parameter, between `base` and `tip`, beyond which the squared distance is certainly
 /// above `bound`.
 #[inline]
-fn reach(minorant: &Minorant, bound: f64, base: f64, tip: f64) -> f64 {
+fn parameter_reach(minorant: &Minorant, bound: f64, base: f64, tip: f64) -> f64 {
     let reach = minorant.parameter_bound(bound) * (tip - base);
     if reach < 0.0 {
-        outward(base + reach, -1.0).or_more(tip)
+        outward(base + reach, -1.0).max_or_other(tip)
     } else {
-        outward(base + reach, 1.0).or_less(tip)
+        outward(base + reach, 1.0).min_or_other(tip)
     }
 }
 
@@ -82,7 +82,7 @@ pub(super) fn farthest_reached(points: &ControlPolygon, bound: f64, best: f64, t
         let is_known = if is_from_outer {
             is_attained
         } else {
-            outer = reach(&minorant, bound, inner, outer);
+            outer = parameter_reach(&minorant, bound, inner, outer);
             is_attained && (outer - inner).abs() <= (inner - best).abs()
         };
         if is_known || is_narrow(outer) {
@@ -99,7 +99,7 @@ fn dividing_point(points: &ControlPolygon, parts: usize, inner: f64, outer: f64)
     if parts.is_multiple_of(2) {
         let s = inner + least_point(&part(points, inner, outer)) * (outer - inner);
         // Not at an end.
-        if inner.or_less(outer) < s && s < inner.or_more(outer) {
+        if inner.min_or_other(outer) < s && s < inner.max_or_other(outer) {
             return s;
         }
     }

@@ -7,7 +7,7 @@ use crate::rounding::{UNIT_ROUNDOFF, scale_to_one};
 use glam::DVec3;
 
 /// 1 + 2^-40: covers all terms of second order and the rounding of the bounds themselves.
-pub(super) const SLACK: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+pub(super) const SECOND_ORDER: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
 
 /// Far above the loss of one formula by underflow, far below the rounding of a cubic of size one
 /// and of its squares. Neither it nor its products with u are subnormal, which would be slow.
@@ -40,7 +40,7 @@ impl ScaledCubic {
         Self {
             points,
             error: error * power + TINY,
-            size: norms.fold(0.0, Real::or_more),
+            size: norms.fold(0.0, Real::max_or_other),
             unit: 1.0 / power,
         }
     }
@@ -62,17 +62,17 @@ impl ScaledCubic {
     }
 
     /// Returns a square in the caller's unit, in this cubic's unit; exact but for underflow.
-    pub(super) fn bring_square(&self, square: f64) -> f64 {
+    pub(super) fn scaled_square(&self, square: f64) -> f64 {
         square / self.unit / self.unit
     }
 
     /// Returns a lower bound of a length in the caller's unit, in this cubic's unit.
-    pub(super) fn bring_below(&self, length: f64) -> f64 {
+    pub(super) fn scaled_below(&self, length: f64) -> f64 {
         outward(length / self.unit, f64::next_down)
     }
 
     /// Returns an upper bound of a length in the caller's unit, in this cubic's unit.
-    pub(super) fn bring_above(&self, length: f64) -> f64 {
+    pub(super) fn scaled_above(&self, length: f64) -> f64 {
         outward(length / self.unit, f64::next_up)
     }
 }
@@ -81,7 +81,7 @@ impl ScaledCubic {
 /// times then: three roundings each.
 #[inline(always)]
 pub(crate) fn part_error(error: f64, size: f64, halvings: f64) -> f64 {
-    (error + (9.0 + 3.0 * halvings) * UNIT_ROUNDOFF * size) * SLACK
+    (error + (9.0 + 3.0 * halvings) * UNIT_ROUNDOFF * size) * SECOND_ORDER
 }
 
 /// Returns the product of a length and a power of two, moved outward if it is not exact.
@@ -174,8 +174,8 @@ mod tests {
             assert!(number(restored.low) <= exact && exact <= number(restored.high));
             let length = size_of(&mut rng).min(1e300 * cubic.unit.min(1.0));
             let exact = number(length) / &factor;
-            assert!(number(cubic.bring_below(length)) <= exact);
-            assert!(exact <= number(cubic.bring_above(length)));
+            assert!(number(cubic.scaled_below(length)) <= exact);
+            assert!(exact <= number(cubic.scaled_above(length)));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Bounds on the place of a minimiser by slope and curvature (module documentation, section 5).
 
-use super::scaled::{SLACK, TINY, norm_above};
+use super::scaled::{SECOND_ORDER, TINY, norm_above};
 use crate::blossom::ControlPolygon;
 use crate::real::Real;
 use crate::rounding::UNIT_ROUNDOFF;
@@ -45,9 +45,9 @@ pub(super) fn stationary_reach(points: &ControlPolygon, error: f64, range: f64) 
         u2 + range * u3,
     );
     let lost = range * (3.0 * v1 * v2 + v0 * u3);
-    let certain = slope_change - (uncertain + lost) * SLACK - TINY;
+    let certain = slope_change - (uncertain + lost) * SECOND_ORDER - TINY;
     if certain > 0.0 {
-        (slope / certain * SLACK + TINY).or_less(range)
+        (slope / certain * SECOND_ORDER + TINY).min_or_other(range)
     } else {
         range
     }

@@ -148,7 +148,7 @@ pub(crate) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPo
 pub(crate) fn largest_of<R: Real>([a, b, c, d]: [R; 4]) -> R {
     // What is no number is lost where the larger one of two is taken, but not in a product.
     let sum = (a + b) + (c + d);
-    (a.or_more(b)).or_more(c.or_more(d)) + R::from_f64(0.0) * sum
+    (a.max_or_other(b)).max_or_other(c.max_or_other(d)) + R::from_f64(0.0) * sum
 }
 
 #[inline]

@@ -120,7 +120,7 @@ pub(crate) fn descend(square: &[f32; 7], start: f32, steps: u32) -> f32 {
     while step < steps {
         let (_, next) = slope.step(u);
         // Also where the step is not a number.
-        u = next.or_less(high).or_more(low);
+        u = next.min_or_other(high).max_or_other(low);
         step += 1;
     }
     u
@@ -140,7 +140,7 @@ pub(crate) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
         high = if rising { u } else { high };
         low = if rising { low } else { u };
         // A minimum at an end of the span is reached by leaving the span.
-        let next = next.or_less(1.0).or_more(-1.0);
+        let next = next.min_or_other(1.0).max_or_other(-1.0);
         let between = (next >= low) & (next <= high);
         u = if between { next } else { 0.5 * (low + high) };
         step += 1;
@@ -151,7 +151,10 @@ pub(crate) fn descend_safely(square: &[f32; 7], start: f32, steps: u32) -> f32 {
 /// Returns the neighbours of a sample, in the span.
 #[inline(always)]
 fn neighbours(sample: f32) -> (f32, f32) {
-    ((sample - 0.25).or_more(-1.0), (sample + 0.25).or_less(1.0))
+    (
+        (sample - 0.25).max_or_other(-1.0),
+        (sample + 0.25).min_or_other(1.0),
+    )
 }
 
 /// The slope of a squared distance and its derivatives, divided by 1, 1, 2 and 6.
@@ -213,13 +216,13 @@ pub(crate) fn arrive<R: Real>(
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
     let HalleyStep { slope, step, error } = *found;
     // Not above 0 at an end with the slope inward, where there is nothing to settle.
-    let inside = (one - u.abs()).or_more(slope * u);
+    let inside = (one - u.abs()).max_or_other(slope * u);
     let time = downhill(u, slope, step);
     let square = cubic.square(time);
     // Not above 0 where the step is short and accurate; one that is cut off at an end counts in
     // full. The least of both, or `inside` if the step is not a number.
-    let off = (error - R::from_f64(4.0) * R::ROUNDING).or_more(step.abs() - R::SETTLED);
-    let settled = off.or_less(inside) <= zero;
+    let off = (error - R::from_f64(4.0) * R::ROUNDING).max_or_other(step.abs() - R::SETTLED);
+    let settled = off.min_or_other(inside) <= zero;
     RefinedGuess {
         time,
         square,
@@ -240,8 +243,10 @@ pub(crate) fn polish<R: Real>(cubic: &CentredCubic<R>, u: R) -> R {
 #[inline(always)]
 fn downhill<R: Real>(u: R, slope: R, step: R) -> R {
     let (zero, one) = (R::from_f64(0.0), R::from_f64(1.0));
-    let length = step.abs().or_more(zero);
-    (u - length.with_sign_of(slope)).or_less(one).or_more(-one)
+    let length = step.abs().max_or_other(zero);
+    (u - length.with_sign_of(slope))
+        .min_or_other(one)
+        .max_or_other(-one)
 }
 
 /// A step of Halley's method towards a stationary point of the distance.
@@ -290,7 +295,7 @@ fn slopes<R: Real>([position, velocity, quadratic, cubic]: &[Vector<R>; 4]) -> [
 
 #[inline(always)]
 fn least(k: [f32; 5]) -> f32 {
-    (k[0].or_less(k[1]))
-        .or_less(k[2].or_less(k[3]))
-        .or_less(k[4])
+    (k[0].min_or_other(k[1]))
+        .min_or_other(k[2].min_or_other(k[3]))
+        .min_or_other(k[4])
 }

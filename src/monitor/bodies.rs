@@ -46,9 +46,19 @@ impl SourcesInPlace for BodyTable<'_> {
         StraightPieces::over(&body.trajectory, monitored.before(), interval, bounds)
     }
 
+    /// Without a partner: that of a body that never exists.
     #[inline(always)]
     fn source(&self, body: u32) -> CubicSource<'_, Segment> {
-        self.source_of(body)
+        let frame = &self.grid.frame;
+        let found = self.monitored.with_body(self.scene, body);
+        match found.filter(|(monitored, _)| monitored.has_partner) {
+            Some((monitored, body)) => {
+                let plan = &body.trajectory;
+                let cubics = (monitored.knots(plan), plan.cubics());
+                CubicSource::plain(cubics, &monitored.padding, frame)
+            }
+            None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, frame),
+        }
     }
 
     fn fetch_record(&self, body: u32) {
@@ -92,22 +102,6 @@ impl<'m> BodyTable<'m> {
             until > monitored.until() || monitored.knots(&body.trajectory).has_unlisted_cubics();
         let (_, entry) = self.scene.in_slot(slot)?;
         Some((entry, needs_cubics))
-    }
-
-    /// Returns the source of a body's boxes, its cubics with their padding; without a partner, that of a body that never
-    /// exists.
-    #[inline(always)]
-    pub(super) fn source_of(&self, slot: u32) -> CubicSource<'m, Segment> {
-        let frame = &self.grid.frame;
-        let found = self.monitored.with_body(self.scene, slot);
-        match found.filter(|(monitored, _)| monitored.has_partner) {
-            Some((monitored, body)) => {
-                let plan = &body.trajectory;
-                let cubics = (monitored.knots(plan), plan.cubics());
-                CubicSource::plain(cubics, &monitored.padding, frame)
-            }
-            None => CubicSource::plain((BodyView::NONE.knots, &[]), &Padding::NONE, frame),
-        }
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,

@@ -1,7 +1,7 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
 use super::monitored_bodies::MonitoredBody;
-use super::pending_change::{ChangeContext, PendingChange, PendingMotion, Rejection};
+use super::pending_change::{ChangeContext, PendingChange, PendingMotion, Refusal};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -142,7 +142,7 @@ impl CommandBatch {
         scene: &Scene,
         (number, command): (usize, Command),
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         let refuse = |error| (number, error);
         let id = match command {
             Command::Insert(body) => {

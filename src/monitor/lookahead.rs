@@ -5,7 +5,7 @@
 //! slices in the order of time, so that what is known is always complete up to some instant. Slices
 //! that overlap the lookahead are needed. The slice after them is compared as time passes, a share with
 //! each tick, so that no tick takes much longer than others. (Later, and in fewer ticks, where many plans
-//! change: see [`due_ahead`].)
+//! change: see [`share_due_ahead`].)
 //!
 //! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
 //! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If most bodies have changed, all of
@@ -31,7 +31,6 @@ use super::slot_set::SlotSet;
 use super::solved_spans::{SlotPair, SolvedSpans};
 use crate::broad_phase::PairFilter;
 use crate::error::Error;
-use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::pool::Pool;
 use crate::rounding::last_known;
@@ -43,8 +42,8 @@ use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use affordable::{AffordableLookahead, SOON};
-use ahead::due_ahead;
+use affordable::{AffordableLookahead, FEW_TICKS};
+use ahead::share_due_ahead;
 use query_index::QueryIndexes;
 use std::collections::VecDeque;
 use std::iter::once;
@@ -93,6 +92,7 @@ pub(super) struct LookaheadSearch {
 impl LookaheadSearch {
     /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
+
     /// Returns a search without bodies, on a grid, with room for so many spans.
     pub(super) fn new(grid: Grid, max_spans: usize) -> Self {
         Self {
@@ -115,7 +115,7 @@ impl LookaheadSearch {
             ends: Vec::new(),
             partners: None,
             last_end: grid.origin,
-            since_unknown: SOON,
+            since_unknown: FEW_TICKS,
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }
@@ -124,10 +124,6 @@ impl LookaheadSearch {
     /// Returns true if anything has changed since the last catching up.
     pub(super) const fn has_changed(&self) -> bool {
         !(self.changed.slots().is_empty() && self.left_out.is_empty())
-    }
-
-    pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
-        self.monitored.view(scene, slot)
     }
 
     /// Replaces the monitored body in a slot (none: it is gone). Its solved spans are dropped, and searched
@@ -332,7 +328,7 @@ impl LookaheadSearch {
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.last_end) / self.grid.length;
             let changed = (self.changed.slots().len(), self.monitored.len());
-            next.set_due_ahead(due_ahead(share, step, changed), last);
+            next.set_share_due_ahead(share_due_ahead(share, step, changed), last);
         }
         self.last_end = to;
         let bodies = self.bodies(work.admission.scene);

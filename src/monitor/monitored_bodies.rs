@@ -39,7 +39,7 @@ pub(super) struct MonitoredBody {
     /// True if the body has a partner: it may be part of a pair of boxes.
     pub(super) has_partner: bool,
     is_half_space: bool,
-    /// The amount by which its boxes exceed the hull of its motion: hitbox, half the margin, rounding.
+    /// The amount by which its boxes exceed the hull of its motion: hitbox and half the margin.
     pub(super) padding: Padding,
 }
 

@@ -92,7 +92,7 @@ pub(super) struct PendingChange {
     pub(super) last: usize,
     /// The monitored body with these parts; none once taken, and for removed bodies.
     pub(super) monitored: Option<MonitoredBody>,
-    pub(super) refusal: Option<Rejection>,
+    pub(super) refusal: Option<Refusal>,
 }
 
 /// A straight motion, from an instant (s) on.
@@ -111,7 +111,7 @@ struct PendingSplice {
 }
 
 /// The number of a refused command, and the reason.
-pub(super) type Rejection = (usize, Error);
+pub(super) type Refusal = (usize, Error);
 
 impl PendingChange {
     pub(super) const fn nothing(id: BodyId, command: usize) -> Self {
@@ -135,7 +135,7 @@ impl PendingChange {
     }
 
     /// Returns the current body.
-    pub(super) fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Rejection> {
+    pub(super) fn body<'s>(&self, scene: &'s Scene) -> Result<&'s Body, Refusal> {
         let unknown = (self.first, Error::UnknownBody { id: self.id });
         scene.body(self.id).ok_or(unknown)
     }
@@ -147,7 +147,7 @@ impl PendingChange {
         from: Option<f64>,
         plan: Trajectory,
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         self.motion_to_splice();
         self.splice(scene, context)?;
         self.own_knots = plan.knots().len();
@@ -167,7 +167,7 @@ impl PendingChange {
         &mut self,
         scene: &Scene,
         context: &ChangeContext<'_>,
-    ) -> Result<f64, Rejection> {
+    ) -> Result<f64, Refusal> {
         self.motion_to_splice();
         self.splice(scene, context)?;
         let own = &self.body(scene)?.trajectory;
@@ -181,7 +181,7 @@ impl PendingChange {
         scene: &Scene,
         (from, next): (f64, &Orientation),
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         let body = self.body(scene)?;
         let before = self.orientation.as_ref().unwrap_or(&body.orientation);
         let both = before.followed_by(next, from, context.forget_before);
@@ -203,7 +203,7 @@ impl PendingChange {
     }
 
     /// Returns true if the body's motion can be replaced in place; notes from when on (s).
-    fn can_replace(&mut self, body: &Body, context: &ChangeContext<'_>) -> Result<bool, Rejection> {
+    fn can_replace(&mut self, body: &Body, context: &ChangeContext<'_>) -> Result<bool, Refusal> {
         let Some(pending) = &mut self.motion else {
             return Ok(false);
         };
@@ -228,7 +228,7 @@ impl PendingChange {
         &mut self,
         scene: &Scene,
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         if self.splice.is_none() {
             return Ok(());
         }
@@ -241,7 +241,7 @@ impl PendingChange {
         old: &Trajectory,
         tag: u64,
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
         };
@@ -261,7 +261,7 @@ impl PendingChange {
         &mut self,
         scene: &Scene,
         context: &ChangeContext<'_>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), Refusal> {
         let body = self.body(scene)?;
         if !self.is_removed && self.can_replace(body, context)? {
             return Ok(());

@@ -7,7 +7,8 @@ use crate::parallel;
 use crate::pool::{Pool, Pooled};
 use crate::scene::PairAdmission;
 use crate::search::{
-    LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, TimeSlices, WindowSearch,
+    LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, SourcesInPlace, TimeSlices,
+    WindowSearch,
 };
 use crate::simd::InstructionSet;
 use crate::spans::SpanKey;
@@ -36,25 +37,25 @@ impl<'m> PreparedBodies<'m> {
         (window, threads): ((f64, f64), usize),
     ) -> (Self, SceneStatistics) {
         /// Slots that one thread goes through together.
-        const SHARE: usize = 1024;
+        const CHUNK: usize = 1024;
         let mut statistics = SceneStatistics::default();
         let mut memory = pool.take();
         let lifetimes = &mut memory.lifetimes;
         let (monitored, count) = (table.monitored, table.monitored.len());
-        if threads > 1 && count > 2 * SHARE {
-            let lists = lifetimes.room(count).chunks_mut(SHARE);
-            let shares = lists.map(|lives| (lives, SceneStatistics::default()));
-            let mut shares: Vec<_> = shares.collect();
-            parallel::for_each(&mut shares, |share, (lives, statistics)| {
-                let slots = share * SHARE..share * SHARE + lives.len();
+        if threads > 1 && count > 2 * CHUNK {
+            let lists = lifetimes.room(count).chunks_mut(CHUNK);
+            let chunks = lists.map(|lives| (lives, SceneStatistics::default()));
+            let mut chunks: Vec<_> = chunks.collect();
+            parallel::for_each(&mut chunks, |number, (lives, statistics)| {
+                let slots = number * CHUNK..number * CHUNK + lives.len();
                 for (life, (ends, cubics)) in lives.iter_mut().zip(monitored.present(slots)) {
                     statistics.add(ends, window, (0.0, cubics));
                     *life = ends;
                 }
             });
-            for (_, share) in shares {
-                statistics.body_time += share.body_time;
-                statistics.segments += share.segments;
+            for (_, chunk) in chunks {
+                statistics.body_time += chunk.body_time;
+                statistics.segments += chunk.segments;
             }
         } else {
             lifetimes.fill(monitored.present(0..count).map(|(life, cubics)| {
@@ -125,7 +126,7 @@ impl<'m> PreparedBodies<'m> {
         };
         let some = |slots: &[usize]| {
             let slots = slots.iter().map(|&slot| short(slot));
-            slots.map(|slot| self.table.source_of(slot)).collect()
+            slots.map(|slot| self.table.source(slot)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
         (

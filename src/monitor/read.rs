@@ -228,7 +228,7 @@ impl ReadContext<'_> {
     }
 
     fn views(&self, (a, b): SlotPair) -> Option<[BodyView<'_>; 2]> {
-        let view = |slot| self.search.view(self.scene, slot);
+        let view = |slot| self.search.monitored.view(self.scene, slot);
         Some([view(a)?, view(b)?])
     }
 

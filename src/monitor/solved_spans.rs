@@ -25,7 +25,7 @@ pub(super) struct SolvedSpans {
     /// that is still to come, and who reads them sees when.)
     changed_pairs: Vec<SlotPair>,
     /// Spans of turning bodies of which only a part is solved, and the end of that part, s.
-    begun: BTreeMap<SpanKey, f64>,
+    partly_solved: BTreeMap<SpanKey, f64>,
 }
 
 impl SolvedSpans {
@@ -44,13 +44,13 @@ impl SolvedSpans {
             }
             !is_gone
         });
-        self.begun.retain(|key, _| !is_gone(pair_of(key)));
+        self.partly_solved.retain(|key, _| !is_gone(pair_of(key)));
     }
 
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
         self.spans.retain(|entry, _| entry.interval.1 >= from);
-        self.begun.retain(|_, until| *until >= from);
+        self.partly_solved.retain(|_, until| *until >= from);
     }
 
     /// Solves the survivors (sorted, each once) that are not there yet, and keeps those that come
@@ -70,7 +70,7 @@ impl SolvedSpans {
         let room = most.saturating_sub(self.len());
         let (mut count, mut added) = (0, 0);
         for &key in survivors {
-            let begun = self.begun.get(&key).copied();
+            let begun = self.partly_solved.get(&key).copied();
             if begun.is_none() && self.spans.has(&key) {
                 continue;
             }
@@ -91,9 +91,9 @@ impl SolvedSpans {
                 added += 1;
             });
             if solved_until < f64::INFINITY {
-                self.begun.insert(key, solved_until);
+                self.partly_solved.insert(key, solved_until);
             } else if begun.is_some() {
-                self.begun.remove(&key);
+                self.partly_solved.remove(&key);
             }
             if added > before {
                 self.changed_pairs.push(pair_of(&key));

@@ -357,19 +357,19 @@ impl Monitor {
     /// Replaces them on several threads.
     fn share_replacements(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         /// Slots that one thread goes through together.
-        const SHARE: usize = 1024;
+        const CHUNK: usize = 1024;
         let slots = self.scene.slots_mut();
         let (by_slot, until) = self.search.monitored.by_slot_mut();
         let count = slots.len().min(by_slot.len());
-        let slots = slots[..count].chunks_mut(SHARE);
-        let lists = slots.zip(by_slot[..count].chunks_mut(SHARE));
-        let mut shares: Vec<_> = lists.map(|lists| (lists, f64::INFINITY)).collect();
-        parallel::for_each(&mut shares, |share, ((slots, by_slot), end)| {
+        let slots = slots[..count].chunks_mut(CHUNK);
+        let lists = slots.zip(by_slot[..count].chunks_mut(CHUNK));
+        let mut chunks: Vec<_> = lists.map(|lists| (lists, f64::INFINITY)).collect();
+        parallel::for_each(&mut chunks, |number, ((slots, by_slot), end)| {
             for (place, monitored) in by_slot.iter_mut().enumerate() {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
                 }
-                let motion = told.in_place(share * SHARE + place);
+                let motion = told.in_place(number * CHUNK + place);
                 let (Some(motion), Some(monitored)) = (motion, monitored) else {
                     continue;
                 };
@@ -380,7 +380,7 @@ impl Monitor {
                 }
             }
         });
-        let ends = shares.into_iter().map(|(_, end)| end);
+        let ends = chunks.into_iter().map(|(_, end)| end);
         *until = ends.fold(*until, f64::min);
     }
 }

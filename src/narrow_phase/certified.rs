@@ -1,14 +1,14 @@
 //! Certified contacts and closest approach of one pair.
 //!
 //! Each pair of spheres over a span is a cubic with an error bound. [`enclosure`](crate::enclosure)
-//! divides the span into parts that are certainly inside the threshold, certainly outside, and
-//! undecided. Touching or overlapping parts that are not outside are joined, over all spans and
+//! divides the span into intervals that are certainly inside the threshold, certainly outside, and
+//! undecided. Touching or overlapping intervals that are not outside are joined, over all spans and
 //! spheres: a conflict. So no contact is lost, and undecided gaps are bridged and marked.
 //!
 //! # Model errors
 //!
 //! Let e be the sum of both bodies' model errors, s the separation of the splines, and w that of
-//! the world: |s - w| <= e at all times, and nothing else is known of w. A part is certainly inside
+//! the world: |s - w| <= e at all times, and nothing else is known of w. An interval is certainly inside
 //! where s < margin - e, certainly outside where s > margin + e: the threshold is an interval of
 //! that width. With m the least s of an interval, the least w lies in m ± e. It is attained only
 //! where s <= m + 2 e, which one more partition tells. So rejections keep what is within margin + e
@@ -20,7 +20,7 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
-use super::profile::{DistanceProfile, NEVER};
+use super::profile::{DistanceProfile, NO_CONTACT};
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
@@ -42,10 +42,10 @@ pub(crate) struct CertifiedContact {
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     members: Vec<UncertainPair>,
-    parts: Vec<VerdictInterval>,
+    intervals: Vec<VerdictInterval>,
     /// Place of each member, as numbered at first, in the order of time and sphere numbers.
     ranks: Vec<usize>,
-    shares: Vec<MemberSummary>,
+    summaries: Vec<MemberSummary>,
 }
 
 /// Two spheres over a span in which they are not certainly apart.
@@ -55,7 +55,7 @@ struct UncertainPair {
     pair: SpherePair,
     /// Its number in the order of solving.
     number: usize,
-    /// Number of its parts, also of those outside the window.
+    /// Number of its intervals, also of those outside the window.
     count: usize,
 }
 
@@ -67,14 +67,14 @@ pub(super) struct VerdictInterval {
     side: Verdict,
     member: usize,
     /// True if the window cuts it.
-    is_cut: bool,
+    is_clipped: bool,
 }
 
-/// A member's parts in a group.
+/// A member's intervals in a group.
 #[derive(Clone, Copy, Debug)]
 struct MemberSummary {
     member: usize,
-    /// Hull of its parts, s.
+    /// Hull of its intervals, s.
     start: f64,
     end: f64,
     /// Number of those that the window does not cut.
@@ -154,7 +154,7 @@ pub(crate) fn certified_contacts(
 impl Workspace {
     pub(super) fn clear(&mut self) {
         self.members.clear();
-        self.parts.clear();
+        self.intervals.clear();
     }
 
     /// Adds a pair of spheres over a span; returns the times in which it is not certainly apart.
@@ -165,11 +165,11 @@ impl Workspace {
         band: &MarginBand,
         window: (f64, f64),
     ) -> &[VerdictInterval] {
-        let first = self.parts.len();
+        let first = self.intervals.len();
         let number = self.members.len();
-        let count = push_parts(pair, band, window, number, &mut self.parts);
-        let parts = &self.parts[first..];
-        if !parts.is_empty() {
+        let count = push_intervals(pair, band, window, number, &mut self.intervals);
+        let intervals = &self.intervals[first..];
+        if !intervals.is_empty() {
             self.members.push(UncertainPair {
                 span,
                 pair: *pair,
@@ -177,7 +177,7 @@ impl Workspace {
                 count,
             });
         }
-        parts
+        intervals
     }
 
     /// Appends the contacts of all pairs added, in time order, to `found`.
@@ -190,9 +190,9 @@ impl Workspace {
     ) {
         let Self {
             members,
-            parts,
+            intervals,
             ranks,
-            shares,
+            summaries,
         } = self;
         members.sort_by(|x, y| {
             let time = x.span.start.total_cmp(&y.span.start);
@@ -203,29 +203,29 @@ impl Workspace {
         for (rank, member) in members.iter().enumerate() {
             ranks[member.number] = rank;
         }
-        for part in &mut *parts {
-            part.member = ranks[part.member];
+        for interval in &mut *intervals {
+            interval.member = ranks[interval.member];
         }
-        parts.sort_unstable_by(|x, y| {
+        intervals.sort_unstable_by(|x, y| {
             let order = x.start.total_cmp(&y.start);
             order
                 .then(x.end.total_cmp(&y.end))
                 .then(x.member.cmp(&y.member))
         });
         let mut first = 0;
-        while first < parts.len() {
-            let mut end = parts[first].end;
+        while first < intervals.len() {
+            let mut end = intervals[first].end;
             let mut next = first + 1;
-            while next < parts.len() && parts[next].start <= end {
-                end = end.max(parts[next].end);
+            while next < intervals.len() && intervals[next].start <= end {
+                end = end.max(intervals[next].end);
                 next += 1;
             }
-            share_out(&parts[first..next], shares);
+            summarise(&intervals[first..next], summaries);
             let group = MergedConflict {
                 members,
-                parts: &parts[first..next],
-                shares,
-                start: parts[first].start,
+                intervals: &intervals[first..next],
+                summaries,
+                start: intervals[first].start,
                 end,
             };
             found.extend(group.contact(views, band, window));
@@ -262,14 +262,14 @@ pub(crate) fn certified_approach(
     Some((approach, error, least.time))
 }
 
-/// Appends the clipped parts of a span in which a pair of spheres is not certainly apart. Returns their number without
+/// Appends the clipped intervals of a span in which a pair of spheres is not certainly apart. Returns their number without
 /// the window.
-fn push_parts(
+fn push_intervals(
     pair: &SpherePair,
     band: &MarginBand,
     window: (f64, f64),
     member: usize,
-    parts: &mut Vec<VerdictInterval>,
+    intervals: &mut Vec<VerdictInterval>,
 ) -> usize {
     let mut count = 0;
     let threshold = band.threshold((pair.radius_a, pair.radius_b));
@@ -289,12 +289,12 @@ fn push_parts(
         count += 1;
         let (start, end) = (times.0.max(window.0), times.1.min(window.1));
         if start <= end {
-            parts.push(VerdictInterval {
+            intervals.push(VerdictInterval {
                 start,
                 end,
                 side,
                 member,
-                is_cut: times.0 < start || times.1 > end,
+                is_clipped: times.0 < start || times.1 > end,
             });
         }
     }
@@ -322,42 +322,42 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
     }
 }
 
-/// Summarises parts by member; replaces the content of `shares`.
-fn share_out(parts: &[VerdictInterval], shares: &mut Vec<MemberSummary>) {
-    shares.clear();
-    shares.extend(parts.iter().map(|part| MemberSummary {
-        member: part.member,
-        start: part.start,
-        end: part.end,
-        count: usize::from(!part.is_cut),
-        is_inside: part.side == Verdict::Inside,
+/// Summarises intervals by member; replaces the content of `summaries`.
+fn summarise(intervals: &[VerdictInterval], summaries: &mut Vec<MemberSummary>) {
+    summaries.clear();
+    summaries.extend(intervals.iter().map(|interval| MemberSummary {
+        member: interval.member,
+        start: interval.start,
+        end: interval.end,
+        count: usize::from(!interval.is_clipped),
+        is_inside: interval.side == Verdict::Inside,
     }));
-    shares.sort_unstable_by_key(|share| share.member);
-    shares.dedup_by(|later, share| {
-        let is_same = later.member == share.member;
+    summaries.sort_unstable_by_key(|summary| summary.member);
+    summaries.dedup_by(|later, summary| {
+        let is_same = later.member == summary.member;
         if is_same {
-            share.start = share.start.min(later.start);
-            share.end = share.end.max(later.end);
-            share.count += later.count;
-            share.is_inside |= later.is_inside;
+            summary.start = summary.start.min(later.start);
+            summary.end = summary.end.max(later.end);
+            summary.count += later.count;
+            summary.is_inside |= later.is_inside;
         }
         is_same
     });
 }
 
-/// Overlapping or touching parts: one conflict.
+/// Overlapping or touching intervals: one conflict.
 struct MergedConflict<'w> {
     members: &'w [UncertainPair],
     /// Parts of this group by start, and their summaries by member.
-    parts: &'w [VerdictInterval],
-    shares: &'w [MemberSummary],
+    intervals: &'w [VerdictInterval],
+    summaries: &'w [MemberSummary],
     start: f64,
     end: f64,
 }
 
 impl MergedConflict<'_> {
-    /// Returns the conflict, or `None` if no part is inside and the least separation is certainly
-    /// above the margin. Examples: parts cut to an instant by a window, grazing bodies.
+    /// Returns the conflict, or `None` if no interval is inside and the least separation is certainly
+    /// above the margin. Examples: intervals cut to an instant by a window, grazing bodies.
     fn contact(
         &self,
         views: (&BodyView<'_>, &BodyView<'_>),
@@ -367,26 +367,31 @@ impl MergedConflict<'_> {
         let (enter, exit, resolved) = self.ends();
         let mut closest: Option<(Approach, usize)> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (index, share) in self.shares.iter().enumerate() {
-            let UncertainPair { span, pair, .. } = &self.members[share.member];
+        for (index, summary) in self.summaries.iter().enumerate() {
+            let UncertainPair { span, pair, .. } = &self.members[summary.member];
             let profile = DistanceProfile::of(&pair.cubic);
-            let instant = profile.closest(&pair.cubic, share.start, share.end);
+            let instant = profile.closest(&pair.cubic, summary.start, summary.end);
             let approach = pair.approach(*span, instant);
             let (best, nearest) = closest.unwrap_or((approach, index));
             let is_nearer = approach.separation < best.separation;
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = pair.radius(band.outer).max(0.0);
-            profile.intervals_within(&pair.cubic, radius, (window, NEVER), |(enter, exit), _| {
-                if exit >= self.start && enter <= self.end {
-                    first = first.min(enter);
-                    last = last.max(exit);
-                }
-            });
+            profile.intervals_within(
+                &pair.cubic,
+                radius,
+                (window, NO_CONTACT),
+                |(enter, exit), _| {
+                    if exit >= self.start && enter <= self.end {
+                        first = first.min(enter);
+                        last = last.max(exit);
+                    }
+                },
+            );
         }
         let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error));
         let (Some(least), Some((closest, _))) = (least, closest) else {
-            unreachable!("a group has parts, and each part a member")
+            unreachable!("a group has intervals, and each interval a member")
         };
         if !resolved && least.low > band.margin {
             return None;
@@ -418,31 +423,31 @@ impl MergedConflict<'_> {
         error: f64,
     ) -> Option<SeparationEnclosure> {
         let mut least = LeastSeparationSearch::new(error);
-        let others = (0..self.shares.len()).filter(|&index| index != nearest);
+        let others = (0..self.summaries.len()).filter(|&index| index != nearest);
         for index in once(nearest).chain(others) {
-            let share = &self.shares[index];
-            let UncertainPair { span, pair, .. } = &self.members[share.member];
+            let summary = &self.summaries[index];
+            let UncertainPair { span, pair, .. } = &self.members[summary.member];
             let near = least.near();
             if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
                 continue;
             }
-            let is_whole = self.is_all_of(share);
-            let times = (share.start, share.end);
+            let is_whole = self.is_all_of(summary);
+            let times = (summary.start, summary.end);
             least.add((a, b), *span, pair, is_whole, times);
         }
         least.least()
     }
 
-    /// Returns the beginning, the end, and true if this is certainly one conflict: some part is
+    /// Returns the beginning, the end, and true if this is certainly one conflict: some interval is
     /// inside, and so is everything between the first and the last of these.
     fn ends(&self) -> (TimeEnclosure, TimeEnclosure, bool) {
         let mut inside: Option<(f64, f64)> = None;
         let mut has_gap = false;
-        let parts = self.parts.iter();
-        for part in parts.filter(|part| part.side == Verdict::Inside) {
-            let (start, end) = inside.unwrap_or((part.start, part.end));
-            has_gap |= part.start > end;
-            inside = Some((start, end.max(part.end)));
+        let intervals = self.intervals.iter();
+        for interval in intervals.filter(|interval| interval.side == Verdict::Inside) {
+            let (start, end) = inside.unwrap_or((interval.start, interval.end));
+            has_gap |= interval.start > end;
+            inside = Some((start, end.max(interval.end)));
         }
         let (first, last) = inside.unwrap_or((self.end, self.start));
         let enter = TimeEnclosure {
@@ -456,10 +461,10 @@ impl MergedConflict<'_> {
         (enter, exit, inside.is_some() && !has_gap)
     }
 
-    /// Returns true if a member's least distance over its whole span is in its parts of this group:
+    /// Returns true if a member's least distance over its whole span is in its intervals of this group:
     /// it is certainly inside there, and certainly apart elsewhere in the span, also outside the window.
-    fn is_all_of(&self, share: &MemberSummary) -> bool {
-        share.is_inside && share.count == self.members[share.member].count
+    fn is_all_of(&self, summary: &MemberSummary) -> bool {
+        summary.is_inside && summary.count == self.members[summary.member].count
     }
 }
 

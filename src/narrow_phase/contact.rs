@@ -2,7 +2,7 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::half_space::{self, may_touch_plane};
-use super::profile::{DistanceProfile, FoundContact, NEVER};
+use super::profile::{DistanceProfile, FoundContact, NO_CONTACT};
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
@@ -150,7 +150,7 @@ pub(crate) fn contacts(
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass, or one
         // of hulls that is as strict.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, (window, NEVER), found);
+            solved_contacts(&pair, span, margin, (window, NO_CONTACT), found);
         } else {
             contacts_of_many(a, b, span, margin, window, found);
         }
@@ -196,7 +196,7 @@ fn contacts_of_many(
     window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
-    let mut before = NEVER;
+    let mut before = NO_CONTACT;
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
     clusters.each_for_contacts(margin, window, |pair, part, proven| {
         let count = found.len();
@@ -219,7 +219,7 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    let mut before = NEVER;
+    let mut before = NO_CONTACT;
     for SolvedSpan {
         span,
         pair,

@@ -26,11 +26,11 @@ pub(super) fn may_be_hidden(cubic: &RelativeCubic, least: f64) -> bool {
 /// then passes its nearest point once, and quickly.
 fn is_swift(cubic: &RelativeCubic) -> bool {
     let [p0, p1, p2, p3] = cubic.points;
-    let way = p3 - p0;
-    let enough = NEAR * cubic.size * way.length();
+    let displacement = p3 - p0;
+    let enough = NEAR * cubic.size * displacement.length();
     [p1 - p0, p2 - p1, p3 - p2]
         .into_iter()
-        .all(|step| step.dot(way) > enough)
+        .all(|step| step.dot(displacement) > enough)
 }
 
 /// The local extrema of the distance, in order, and both ends of the span.

@@ -14,6 +14,7 @@ use super::relative::{
 };
 use super::sphere_pair::SpherePair;
 use super::{BodyView, widened};
+use crate::real::least_of;
 use crate::rounding::{PLANE_CLEARANCE, UNDERFLOW, UNIT_ROUNDOFF, scale_to_one};
 use crate::spans::Span;
 use crate::trajectory::Segment;
@@ -32,7 +33,7 @@ pub(super) struct PlanePair<'a> {
     pub(super) is_first: bool,
     normal: DVec3,
     /// Inverse of the normal's length, good to 4 roundings.
-    scale: f64,
+    inverse_length: f64,
 }
 
 /// A sphere of the body: the way of its centre along the normal, relative to the body's position.
@@ -97,7 +98,7 @@ pub(super) fn may_touch_plane(
         return false;
     }
     let offset = pair.along(pair.body.bounding.offset);
-    let least = lowest(&pair.heights(part).points);
+    let least = least_of(pair.heights(part).points);
     least + offset <= pair.bound(margin, part)
 }
 
@@ -126,7 +127,7 @@ impl<'a> PlanePair<'a> {
             is_first,
             normal,
             // Its length is 1, nearly: no square underflows that matters.
-            scale: 1.0 / normal.length(),
+            inverse_length: 1.0 / normal.length(),
         })
     }
 
@@ -134,7 +135,7 @@ impl<'a> PlanePair<'a> {
     pub(super) fn heights(&self, part: Span) -> HeightCubic {
         let [body, plane] = &self.segments;
         let motion = RelativeMotion::between(body, plane, (part.start, part.end));
-        motion.heights(self.normal, self.scale)
+        motion.heights(self.normal, self.inverse_length)
     }
 
     /// Returns true if the body is so far above the plane over a part of the span that rounding does not
@@ -171,7 +172,7 @@ impl<'a> PlanePair<'a> {
 
     /// Returns the coordinate of a vector along the normal, m: good to 8 roundings.
     pub(super) fn along(&self, vector: DVec3) -> f64 {
-        vector.dot(self.normal) * self.scale
+        vector.dot(self.normal) * self.inverse_length
     }
 
     /// Returns a bound on the rounding of [`along`](Self::along), m.
@@ -209,7 +210,7 @@ impl<'a> PlanePair<'a> {
         let points = [0, 1, 2, 3].map(|k| heights.points[k] + sphere.way[k]);
         let error = heights.error + sphere.rounding;
         let unknown = error + sphere.path_error;
-        let lowest = lowest(&points);
+        let lowest = least_of(points);
         // Below the plane no distance from it is a height. Rounding may hide that; then little is added.
         let shift = if lowest > unknown {
             0.0
@@ -272,23 +273,19 @@ impl HeightRange {
             [ends[0], ends[1], ends[0], ends[1]]
         } else if segment.covers(from, to) {
             let height = origin.dot(normal);
-            let ways = segment.control_points();
-            ways.map(|way| height + way.dot(normal))
+            let points = segment.control_points();
+            points.map(|point| height + point.dot(normal))
         } else {
             return None;
         };
         // A comparison with NaN would drop it.
         let are_known = heights.iter().all(|height| height.is_finite());
         are_known.then(|| Self {
-            low: lowest(&heights),
+            low: least_of(heights),
             high: heights.into_iter().fold(f64::NEG_INFINITY, f64::max),
             size: origin.abs().element_sum() + segment.rounding_scale(from, to),
         })
     }
-}
-
-pub(super) fn lowest(points: &[f64; 4]) -> f64 {
-    points.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 fn largest(points: &[f64; 4]) -> f64 {

@@ -112,8 +112,8 @@ impl DistanceProfile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
-    /// Returns a bound of the distance in each of so many equal cells of the span, to rounding, m.
-    pub(super) fn largest_in_cells<const N: usize>(&self, cubic: &RelativeCubic) -> [f64; N] {
+    /// Returns a bound of the distance in each of so many equal parts of the span, to rounding, m.
+    pub(super) fn largest_in_parts<const N: usize>(&self, cubic: &RelativeCubic) -> [f64; N] {
         let mut largest = [0.0; N];
         let mut nodes = self.nodes().iter().peekable();
         let forms = cubic.power_forms();
@@ -252,7 +252,11 @@ impl DistanceProfile {
             }
             let least = nodes[first..=last].iter().map(|node| node.distance);
             let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
-            let covered = if least > nearest { covered } else { NEVER.0 };
+            let covered = if least > nearest {
+                covered
+            } else {
+                NO_CONTACT.0
+            };
             let end = |nodes| end_of_interval(cubic, radius, nodes, covered);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
@@ -296,7 +300,7 @@ impl ProfilePoint {
 pub(super) type FoundContact = ((f64, f64), f64);
 
 /// No contact found before: an empty interval.
-pub(super) const NEVER: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
+pub(super) const NO_CONTACT: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
 
 #[cfg(test)]
 mod tests {
@@ -341,7 +345,7 @@ mod tests {
                     near = [near.next_up(), near.next_down()][rng.random_range(0..2)];
                 }
                 near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
-                for known in [(near, cubic.end), (cubic.start, near), NEVER.0] {
+                for known in [(near, cubic.end), (cubic.start, near), NO_CONTACT.0] {
                     let found = end_of_interval(&cubic, radius, nodes, known);
                     let covers = |time: f64| known.0 <= time && time <= known.1;
                     let is_found = found.total_cmp(&at).is_eq();
@@ -374,7 +378,7 @@ mod tests {
                 error: 0.0,
                 size: largest_norm(&points),
             };
-            let largest: [f64; CELLS] = DistanceProfile::of(&cubic).largest_in_cells(&cubic);
+            let largest: [f64; CELLS] = DistanceProfile::of(&cubic).largest_in_parts(&cubic);
             for (cell, largest) in largest.into_iter().enumerate() {
                 let distance = |sample: usize| {
                     let share = sample as f64 / SAMPLES as f64;

@@ -274,7 +274,6 @@ impl RelativeMotion {
     pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
         let apart = self.apart + offset;
         let points = self.local.map(|local| apart + local);
-        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
         // The centre of a lone sphere is its body's position.
         let aside = if offset == DVec3::ZERO {
             0.0
@@ -284,26 +283,26 @@ impl RelativeMotion {
         // One rounding each of the origins' difference, of the offset's (and the sum with it), of
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
         // not underflow, and what does in the bound is in both parts' errors.
-        let roundings = 2.0 * norm(apart) + 2.0 * aside + spread + size;
-        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
-        RelativeCubic {
-            start: self.start,
-            end: self.end,
-            points,
-            error,
-            size,
-        }
+        let spread = largest_norm(&self.local);
+        self.cubic(points, 2.0 * norm(apart) + 2.0 * aside + spread)
     }
 
-    /// Returns the relative cubic of two points of the bodies, with its error. `ways` are the
+    /// Returns the relative cubic of two points of the bodies, with its error. `offsets` are the
     /// control points of a's point minus those of b's, each relative to its body's position, m. Their own
     /// error is not included.
-    pub(super) fn along(&self, ways: &[DVec3; 4]) -> RelativeCubic {
-        let points = [0, 1, 2, 3].map(|k| (self.apart + self.local[k]) + ways[k]);
-        let (size, spread) = (largest_norm(&points), largest_norm(&self.local));
+    pub(super) fn along(&self, offsets: &[DVec3; 4]) -> RelativeCubic {
+        let points = [0, 1, 2, 3].map(|k| (self.apart + self.local[k]) + offsets[k]);
+        let spread = largest_norm(&self.local);
         // As `of_spheres`; the sum of apart and local is rounded as well.
-        let roundings = 2.0 * norm(self.apart) + 2.0 * spread + 2.0 * largest_norm(ways) + size;
-        let error = (self.error + UNIT_ROUNDOFF * roundings) * (1.0 + 2f64.powi(-40));
+        let sizes = 2.0 * norm(self.apart) + 2.0 * spread + 2.0 * largest_norm(offsets);
+        self.cubic(points, sizes)
+    }
+
+    /// Returns a relative cubic with its error: a rounding of `sizes` (m), and one of its own size.
+    #[inline(always)]
+    fn cubic(&self, points: [DVec3; 4], sizes: f64) -> RelativeCubic {
+        let size = largest_norm(&points);
+        let error = (self.error + UNIT_ROUNDOFF * (sizes + size)) * (1.0 + 2f64.powi(-40));
         RelativeCubic {
             start: self.start,
             end: self.end,
@@ -325,15 +324,17 @@ pub(super) struct HeightCubic {
 
 impl RelativeMotion {
     /// Returns the heights of body a above a plane through body b, along `normal`, a vector whose
-    /// length is 1 within 1e-9. `scale` is the inverse of that length, good to 4 roundings.
-    pub(super) fn heights(&self, normal: DVec3, scale: f64) -> HeightCubic {
+    /// length is 1 within 1e-9. `inverse_length` is the inverse of that length, good to 4 roundings.
+    pub(super) fn heights(&self, normal: DVec3, inverse_length: f64) -> HeightCubic {
         let apart = self.apart.dot(normal);
-        let points = self.local.map(|local| (apart + local.dot(normal)) * scale);
+        let points = self
+            .local
+            .map(|local| (apart + local.dot(normal)) * inverse_length);
         // Only what lies along the normal counts: of a plane along two axes, one coordinate.
         let size = |vector: DVec3| vector.abs().dot(normal.abs());
         let largest = self.local.into_iter().map(size).fold(0.0, f64::max);
         // One rounding of each difference, three of each product with the normal, one of the sum;
-        // five of the scale and of the product with it.
+        // five of the inverse_length and of the product with it.
         let rounding = 16.0 * UNIT_ROUNDOFF * (size(self.apart) + largest) + 8.0 * UNDERFLOW;
         HeightCubic {
             points,

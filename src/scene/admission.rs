@@ -2,7 +2,7 @@
 
 use super::Scene;
 use super::layer_groups::LayerGroups;
-use super::partners::{Partners, can_reach, radius};
+use super::partners::{Partners, radii_may_meet, radius};
 use crate::broad_phase::{Groups, PairFilter};
 use crate::count::short;
 
@@ -52,19 +52,20 @@ impl<'s> PairAdmission<'s> {
     }
 
     /// Returns true if the spheres of two bodies may be within the margin, which is negative.
-    fn can_reach(&self, a: u32, b: u32) -> bool {
+    fn radii_may_meet(&self, a: u32, b: u32) -> bool {
         let radius = |slot: u32| {
             let listed = self.radii.get(slot as usize).copied();
             listed.unwrap_or_else(|| self.scene.radius(slot))
         };
-        can_reach(radius(a), radius(b), self.margin)
+        radii_may_meet(radius(a), radius(b), self.margin)
     }
 }
 
 impl PairFilter for PairAdmission<'_> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
-        self.admits_all || self.scene.admits(a, b) && (self.margin >= 0.0 || self.can_reach(a, b))
+        self.admits_all
+            || self.scene.admits(a, b) && (self.margin >= 0.0 || self.radii_may_meet(a, b))
     }
 
     fn admits_all(&self) -> bool {

@@ -114,7 +114,7 @@ impl Scene {
         }
         if let Some(hitbox) = hitbox {
             body.hitbox = hitbox;
-            self.note_shape(id);
+            self.count_shape(id);
         }
         Ok(())
     }

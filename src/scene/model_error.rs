@@ -17,12 +17,12 @@ impl Scene {
         let checked =
             checked_model_error(metres).map_err(|error| error.in_body(body.tag).with_id(id))?;
         let old = std::mem::replace(&mut body.model_error, checked);
-        self.note_shape(id);
+        self.count_shape(id);
         Ok(old)
     }
 
     /// Notes that the hitbox or the model error of a body has changed.
-    pub(super) fn note_shape(&mut self, id: BodyId) {
+    pub(super) fn count_shape(&mut self, id: BodyId) {
         let slot = self.slots.get(id.slot as usize);
         if let Some(entry) = slot.and_then(|slot| slot.entry.as_ref()) {
             self.kinds.add_shape(&entry.body);

@@ -136,7 +136,7 @@ impl<'s> Partners<'s> {
             self.kinds.layers.len() > Kinds::MANY || is_partner()
         };
         self.all.unwrap_or_else(of_layers)
-            && (self.margin >= 0.0 || can_reach(radius(body), self.kinds.largest, self.margin))
+            && (self.margin >= 0.0 || radii_may_meet(radius(body), self.kinds.largest, self.margin))
     }
 
     /// Returns a value that changes if [`has`](Self::has) changes for unchanged bodies.
@@ -172,7 +172,7 @@ fn rounded_up(radius: f64) -> f64 {
 }
 
 /// Returns false if two radii and a margin (m) certainly add up to less than zero.
-pub(crate) fn can_reach(one: f64, other: f64, margin: f64) -> bool {
+pub(crate) fn radii_may_meet(one: f64, other: f64, margin: f64) -> bool {
     let rounding = 4.0 * UNIT_ROUNDOFF * (one + other + margin.abs());
     one + other + margin >= -rounding
 }
@@ -228,7 +228,7 @@ mod tests {
             kinds.add(&large);
             let partners = Partners::of(&kinds, MARGIN);
             versions += usize::from(last.replace(partners.version()) != Some(partners.version()));
-            let can_meet = |other: &Body| can_reach(radius(&large), radius(other), MARGIN);
+            let can_meet = |other: &Body| radii_may_meet(radius(&large), radius(other), MARGIN);
             assert!(partners.has(&small) || !can_meet(&small), "{number}");
             assert!(partners.has(&large) || !can_meet(&large), "{number}");
             small_has_partner += usize::from(partners.has(&small));

@@ -133,8 +133,8 @@ impl<'a> PreparedScene<'a> {
     /// Returns true if views and sources are made in place, not listed: most bodies follow straight motions.
     pub(super) fn is_in_place(&self) -> bool {
         /// If one body in so many has a plan, lists of views and sources are read faster.
-        const SHARE: usize = 8;
-        SHARE * self.survey.not_straight < self.entries.len()
+        const ONE_IN: usize = 8;
+        ONE_IN * self.survey.not_straight < self.entries.len()
     }
 
     /// Returns the box sources of the bodies at some places.

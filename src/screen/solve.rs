@@ -125,7 +125,7 @@ impl PreparedScene<'_> {
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
-                let share = ratio(done, chunks.len());
+                let share = as_f64(done) / as_f64(chunks.len());
                 progress(SHARE_OF_SLICES + (1.0 - SHARE_OF_SLICES) * share);
             }
         });
@@ -163,10 +163,6 @@ impl PreparedScene<'_> {
             question.push_conflicts(spans, scratch, conflicts);
         }
     }
-}
-
-fn ratio(done: usize, all: usize) -> f64 {
-    as_f64(done) / as_f64(all)
 }
 
 /// Prefetches the data of later pairs, which is scattered in memory.

@@ -42,7 +42,7 @@ impl SceneSurvey {
             plans: DAabb::NOTHING,
             beyond: DAabb::NOTHING,
             statistics: SceneStatistics {
-                separation: margin.max(0.0),
+                margin: margin.max(0.0),
                 ..SceneStatistics::default()
             },
             size: 0.0,

@@ -42,20 +42,20 @@ impl SliceBounds {
         self.bodies.push(body);
     }
 
-    /// Returns the lists of boxes and fat lines of so many bodies, in shares. What they held is to be overwritten.
-    pub(super) fn shares(
+    /// Returns the lists of boxes and fat lines of so many bodies, in chunks of a size. What they held is to be overwritten.
+    pub(super) fn chunks(
         &mut self,
         bodies: usize,
-        share: usize,
+        size: usize,
     ) -> impl Iterator<Item = (&mut [BodyBox], &mut [FatLine])> {
         self.boxes.resize(bodies, Self::MISSING);
         self.fat_lines.resize(bodies, FatLine::default());
-        let boxes = self.boxes.chunks_mut(share);
-        boxes.zip(self.fat_lines.chunks_mut(share))
+        let boxes = self.boxes.chunks_mut(size);
+        boxes.zip(self.fat_lines.chunks_mut(size))
     }
 
     /// Takes over the names of bodies, each with a box.
-    pub(super) fn take_names(&mut self, bodies: &[u32]) {
+    pub(super) fn set_bodies(&mut self, bodies: &[u32]) {
         self.bodies.clear();
         self.bodies.extend_from_slice(bodies);
         self.second_places = 0;

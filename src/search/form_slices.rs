@@ -43,8 +43,8 @@ pub(crate) struct SlicesToForm<'a> {
 }
 
 impl SlicesToForm<'_> {
-    /// Bodies in a share of the work. Fewer than two shares stay on this thread.
-    pub(super) const SHARE: usize = 2048;
+    /// Bodies in a chunk of the work. Fewer than two chunks stay on this thread.
+    pub(super) const CHUNK: usize = 2048;
 
     /// Forms them from a list of all bodies.
     pub(crate) fn form_listed<C: BoundingCubic>(self, sources: &[CubicSource<'_, C>]) {
@@ -60,7 +60,7 @@ impl SlicesToForm<'_> {
     /// Forms them with sources made in place.
     pub(crate) fn form_in_place<B: SourcesInPlace>(mut self, bodies: &B) {
         let count = self.ends.len() - 1;
-        if self.threads > 1 && self.present.len() > Self::SHARE {
+        if self.threads > 1 && self.present.len() > Self::CHUNK {
             self.form_shared(bodies);
         } else {
             self.form_alone(bodies);
@@ -95,25 +95,25 @@ impl SlicesToForm<'_> {
         let (present, ends, frame) = (self.present, self.ends, self.frame);
         let (instructions, count) = (self.instructions, ends.len() - 1);
         let slices = self.block.first_slices(count);
-        let mut shares = Vec::new();
-        let count_of_shares = present.len().div_ceil(Self::SHARE);
-        shares.resize_with(count_of_shares, || (Vec::new(), 0));
+        let mut chunks = Vec::new();
+        let count_of_chunks = present.len().div_ceil(Self::CHUNK);
+        chunks.resize_with(count_of_chunks, || (Vec::new(), 0));
         for slice in &mut *slices {
-            let lists = slice.shares(present.len(), Self::SHARE);
-            for ((share, _), lists) in shares.iter_mut().zip(lists) {
-                share.push(lists);
+            let lists = slice.chunks(present.len(), Self::CHUNK);
+            for ((chunk, _), lists) in chunks.iter_mut().zip(lists) {
+                chunk.push(lists);
             }
         }
-        parallel::for_each(&mut shares, |share, (lists, formed)| {
+        parallel::for_each(&mut chunks, |number, (lists, formed)| {
             for one in lists.iter_mut().flat_map(|(boxes, _)| &mut **boxes) {
                 one.body = SliceBounds::MISSING.body;
             }
-            let first = share * Self::SHARE;
+            let first = number * Self::CHUNK;
             instructions.run(FormInPlace {
                 instructions,
                 frame,
                 bodies,
-                present: present[first..].iter().copied().take(Self::SHARE),
+                present: present[first..].iter().copied().take(Self::CHUNK),
                 ends,
                 put: |(number, _), slice: usize, (fat_line, aabb)| {
                     let (boxes, lines) = &mut lists[slice];
@@ -124,9 +124,9 @@ impl SlicesToForm<'_> {
                 },
             });
         });
-        let formed: usize = shares.into_iter().map(|(_, formed)| formed).sum();
+        let formed: usize = chunks.into_iter().map(|(_, formed)| formed).sum();
         for slice in slices {
-            slice.take_names(present);
+            slice.set_bodies(present);
             if formed < count * present.len() {
                 slice.drop_missing();
             }

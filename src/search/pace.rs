@@ -10,13 +10,13 @@ pub(crate) struct Pace {
     points: Vec<(f64, f64)>,
     /// The duration of the window if, all the time, as many bodies existed as a body usually exists with, s: shorter than
     /// the window where bodies crowd into some of it. Not used if the pace is even.
-    busy: f64,
+    effective_duration: f64,
 }
 
 impl Pace {
     pub(crate) const EVEN: Self = Self {
         points: Vec::new(),
-        busy: 0.0,
+        effective_duration: 0.0,
     };
 
     /// Returns the pace for bodies with these lifetimes (first and last instant, s) in a window (s, finite), told by some
@@ -54,24 +54,27 @@ impl Pace {
             points.push((passed, time));
         }
         points.push((passed, end));
-        let busy = passed * passed / squared;
+        let effective_duration = passed * passed / squared;
         // No number where none of them exists for a time.
-        let is_uneven = busy * DENSE < duration;
+        let is_uneven = effective_duration * DENSE < duration;
         if !is_uneven {
             return Self::EVEN;
         }
         for (share, _) in &mut points {
             *share /= passed;
         }
-        Self { points, busy }
+        Self {
+            points,
+            effective_duration,
+        }
     }
 
     /// Returns the duration of a window of this pace (s), without the time in which few bodies exist.
-    pub(super) fn busy(&self, duration: f64) -> f64 {
+    pub(super) fn effective_duration(&self, duration: f64) -> f64 {
         if self.points.is_empty() {
             duration
         } else {
-            self.busy
+            self.effective_duration
         }
     }
 
@@ -106,7 +109,7 @@ mod tests {
         let (window, body_time) = ((0.0, 86_400.0), 1_000.0 * 600.0 + 86_400.0);
         let pace = Pace::of(&lives, window, body_time);
         assert!(
-            (1_200.0..2_000.0).contains(&pace.busy(86_400.0)),
+            (1_200.0..2_000.0).contains(&pace.effective_duration(86_400.0)),
             "{pace:?}"
         );
         let slices = TimeSlices::whole(window.0, window.1)

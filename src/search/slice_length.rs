@@ -2,7 +2,7 @@
 //! so that a scene is always cut alike; answers do not depend on it.
 //!
 //! Short slices cost boxes; long ones cost candidates, which grow with the cube of a box's size. A
-//! sample of the bodies is put through slices of one length at a few places of the window. The
+//! sample of the bodies is put through slices of one length at a few times in the window. The
 //! candidates found, and the growth of boxes with time, give the cheapest length, which is then
 //! tried in turn.
 
@@ -66,7 +66,7 @@ struct Trial {
     extents: [f64; 3],
     least: f64,
     /// True if there were more candidates than were listed.
-    is_cut_off: bool,
+    is_exceeded: bool,
 }
 
 /// Growth of counts with the length of a slice, as powers of it.
@@ -117,7 +117,7 @@ impl Trial {
 
     /// Returns true if there is room for the candidates of a slice: it need not be divided.
     fn fits(&self, limits: Limits) -> bool {
-        !self.is_cut_off && self.candidates < limits.candidates as f64
+        !self.is_exceeded && self.candidates < limits.candidates as f64
     }
 
     /// Returns true if comparisons dominate. If boxes are so long that nearly all overlap, slices
@@ -249,7 +249,7 @@ impl SliceTrials<'_> {
         /// Each trial changes the length at most fourfold, or by `SHORTER` in a crowd.
         const MAX_TRIALS: usize = 6;
         const SHORTER: f64 = 8.0;
-        let window = slices.busy();
+        let window = slices.effective_window();
         let bodies = self.lifetimes.len();
         if bodies == 0 {
             return slices;
@@ -341,8 +341,8 @@ impl SliceTrials<'_> {
         whole: f64,
         cubics: f64,
     ) -> Trial {
-        const PLACES: u32 = 3;
-        let places = PLACES.min(slices.count());
+        const TRIED_SLICES: u32 = 3;
+        let tried_slices = TRIED_SLICES.min(slices.count());
         let mut scratch = self.pool.take();
         let SearchScratch {
             present,
@@ -353,9 +353,9 @@ impl SliceTrials<'_> {
             ..
         } = &mut *scratch;
         let (mut boxes, mut found, mut near, mut shares) = (0.0, 0.0, 0.0, 0.0);
-        let (mut extents, mut is_cut_off) = ([0.0; 3], false);
-        for place in 0..places {
-            let share = (f64::from(place) + 0.5) / f64::from(places);
+        let (mut extents, mut is_exceeded) = ([0.0; 3], false);
+        for number in 0..tried_slices {
+            let share = (f64::from(number) + 0.5) / f64::from(tried_slices);
             let first = slices.number_at(share);
             lifetimes.list(slices.interval(first), present);
             slices.ends(first..first + 1, ends);
@@ -371,7 +371,7 @@ impl SliceTrials<'_> {
             let room = CandidateLimit::new(filter, MAX_CANDIDATES);
             let method = (Method::Sweep, self.instructions);
             methods.pairs(method, &slice.boxes, &room, candidates);
-            is_cut_off |= room.is_exceeded();
+            is_exceeded |= room.is_exceeded();
             let interval = slices.interval(first);
             for pair in &*candidates {
                 let (a, b) = (pair.a as usize, pair.b as usize);
@@ -392,13 +392,13 @@ impl SliceTrials<'_> {
             }
         }
         let reach: f64 = sources.iter().map(|source| source.placement.reach()).sum();
-        let places = f64::from(places);
+        let tried_slices = f64::from(tried_slices);
         Trial {
             bodies: sources.len() as f64 * whole,
-            boxes: boxes * whole / places,
-            candidates: found * whole * whole / places,
-            near: near * whole * whole / places,
-            shares: shares * whole * whole / places,
+            boxes: boxes * whole / tried_slices,
+            candidates: found * whole * whole / tried_slices,
+            near: near * whole * whole / tried_slices,
+            shares: shares * whole * whole / tried_slices,
             cubics,
             near_costs: if self.is_in_place {
                 cost::NEAR_IN_PLACE
@@ -407,7 +407,7 @@ impl SliceTrials<'_> {
             },
             extents: extents.map(|extent| extent / boxes.max(1.0)),
             least: 2.0 * reach / sources.len() as f64,
-            is_cut_off,
+            is_exceeded,
         }
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct SceneStatistics {
     /// Extent of the world on each axis, m.
     pub(crate) world: [f64; 3],
     /// The margin, at least 0, m.
-    pub(crate) separation: f64,
+    pub(crate) margin: f64,
 }
 
 impl SceneStatistics {
@@ -95,17 +95,17 @@ impl<'p> TimeSlices<'p> {
     /// Returns slices of a window (s, finite) at a pace by the rule above, from counts alone.
     pub(crate) fn choose(window: (f64, f64), pace: &'p Pace, statistics: &SceneStatistics) -> Self {
         let whole = Self::whole(window.0, window.1).with_pace(pace);
-        let (start, end) = whole.busy();
+        let (start, end) = whole.effective_window();
         let duration = end - start;
         let present = statistics.present((start, end));
         let speed = statistics.path / statistics.body_time;
         let volume: f64 = statistics
             .world
             .iter()
-            .map(|&side| side.max(statistics.separation).max(f64::MIN_POSITIVE))
+            .map(|&side| side.max(statistics.margin).max(f64::MIN_POSITIVE))
             .map(f64::cbrt)
             .product();
-        let spacing = (volume / present.max(1.0).cbrt()).max(statistics.separation);
+        let spacing = (volume / present.max(1.0).cbrt()).max(statistics.margin);
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MAX_SEGMENTS_PER_SLICE * statistics.body_time / statistics.segments)
             .max(statistics.body_time / Self::MAX_BOXES);
@@ -141,20 +141,20 @@ impl<'p> TimeSlices<'p> {
 
     /// Returns about as many slices, so that a few threads have nearly the same number each.
     pub(crate) const fn shared_evenly(self) -> Self {
-        let share = match self.count {
+        let multiple = match self.count {
             0..4 => 1,
             4..16 => 2,
             _ => 4,
         };
         Self {
-            count: (self.count + share / 2) / share * share,
+            count: (self.count + multiple / 2) / multiple * multiple,
             ..self
         }
     }
 
     /// Returns the duration of a slice, s: of those in which most bodies exist.
     pub(crate) fn length(&self) -> f64 {
-        let (start, end) = self.busy();
+        let (start, end) = self.effective_window();
         (end - start) / f64::from(self.count)
     }
 
@@ -181,8 +181,8 @@ impl<'p> TimeSlices<'p> {
 
     /// Returns a window (s) for statistics, shorter than the whole where bodies crowd into some of its time: see
     /// [`Pace`].
-    pub(crate) fn busy(&self) -> (f64, f64) {
-        let duration = self.pace.busy(self.end - self.start);
+    pub(crate) fn effective_window(&self) -> (f64, f64) {
+        let duration = self.pace.effective_duration(self.end - self.start);
         (self.start, self.start + duration)
     }
 
@@ -207,7 +207,7 @@ mod tests {
             path: 6000.0,
             segments: 100.0,
             world: [100.0; 3],
-            separation: 1.0,
+            margin: 1.0,
         };
         let pace = Pace::EVEN;
         let slices = TimeSlices::choose((5.0, 65.0), &pace, &statistics);
@@ -237,7 +237,7 @@ mod tests {
             path: 0.0,
             segments: 0.0,
             world: [0.0; 3],
-            separation: 0.0,
+            margin: 0.0,
         };
         for window in [(0.0, 1.0), (2.0, 2.0)] {
             let pace = Pace::EVEN;

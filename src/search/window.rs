@@ -54,7 +54,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         (found, stats): (&mut Vec<SpanKey>, &mut Stats),
     ) -> Result<(), LimitExceeded> {
         let bodies = self.lifetimes.len();
-        let are_shared = S::ARE_SHARED && bodies > SlicesToForm::SHARE;
+        let are_shared = S::ARE_SHARED && bodies > SlicesToForm::CHUNK;
         let blocks = SliceBlocks::of(slices, statistics, (bodies, self.threads, are_shared));
         let done_blocks = AtomicU32::new(0);
         let is_exceeded = AtomicBool::new(false);
@@ -393,7 +393,7 @@ impl SliceBlocks {
         statistics: &SceneStatistics,
         (bodies, threads, are_bodies_shared): (usize, usize, bool),
     ) -> Self {
-        let present = statistics.present(slices.busy());
+        let present = statistics.present(slices.effective_window());
         let cubics = statistics.cubics_in(slices.length());
         let slices = slices.count();
         let usual = if cubics < 1.0 {

@@ -111,7 +111,7 @@ impl Mul for DoubleDouble {
 }
 
 /// Returns the coefficients of a polynomial around another instant, in increasing order of powers as the given ones.
-/// `times_shift` multiplies a term by the way to that instant.
+/// `times_shift` multiplies a term by the time to that instant.
 pub(super) fn taylor_shift<T: Clone + Add<Output = T>, const N: usize>(
     mut coefficients: [T; N],
     times_shift: impl Fn(&T) -> T,

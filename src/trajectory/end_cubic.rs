@@ -235,8 +235,8 @@ mod tests {
                         _ => motion,
                     };
                     let unit = end_motion.end() - end_motion.start();
-                    let lengths = 10_f64.powf(rng.random_range(-1.0..16.0));
-                    let [near, far] = [1.0, 2.0].map(|k| knot + sign * k * lengths * unit);
+                    let durations = 10_f64.powf(rng.random_range(-1.0..16.0));
+                    let [near, far] = [1.0, 2.0].map(|k| knot + sign * k * durations * unit);
                     let first = knot + sign * unit;
                     for ends in [(near, far), (*knot, first)] {
                         let interval = (ends.0.min(ends.1), ends.0.max(ends.1));
@@ -246,8 +246,9 @@ mod tests {
                         worst = worst.max(off / part.error);
                         let scale = motion.way(unit) + end_motion.origin().length();
                         let way = motion.way(ends.1 - knot);
-                        let coarse = 1.0 + 128.0 * UNIT_ROUNDOFF * lengths;
-                        let bound = 1e-14 * scale + 40.0 * UNIT_ROUNDOFF * way * coarse * coarse;
+                        let rounding_growth = 1.0 + 128.0 * UNIT_ROUNDOFF * durations;
+                        let bound = 1e-14 * scale
+                            + 40.0 * UNIT_ROUNDOFF * way * rounding_growth * rounding_growth;
                         let error = part.error;
                         assert!(error <= bound + 1e-200, "{round} {error:e} {bound:e}");
                         assert!(is_met(end_motion, &motion, ends.1, part.error), "{round}");

@@ -27,8 +27,8 @@ pub(crate) struct Extension {
 impl Trajectory {
     /// Returns the time from the first to the last of the [knots of its pieces](Self::piece_knots); all of time without one.
     pub(crate) fn listed_domain(&self) -> Window {
-        let cuts = self.piece_knots();
-        match (cuts.first(), cuts.last()) {
+        let knots = self.piece_knots();
+        match (knots.first(), knots.last()) {
             (Some(&first), Some(&last)) => Window::new(first, last).unwrap_or(Window::ALL),
             _ => Window::ALL,
         }
@@ -168,7 +168,7 @@ impl Trajectory {
             }
         };
         match (self.piece_knots(), self.knots()) {
-            (cuts, [.., last]) if cuts.len() > self.knots().len() => (*last, step, 1),
+            (knots, [.., last]) if knots.len() > self.knots().len() => (*last, step, 1),
             _ => (self.listed_domain().end(), step, 0),
         }
     }

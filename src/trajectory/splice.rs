@@ -119,10 +119,10 @@ impl Trajectory {
         // Of the old plan: whole pieces, then the piece that is cut at `from`. Beyond its knots a plan goes on along
         // its end motion, which becomes a piece like any other.
         let (old_knots, old_segments) = (old.knots(), old.segments());
-        let cut = count_at_front(old_knots, |knot| knot < from);
+        let old_count = count_at_front(old_knots, |knot| knot < from);
         // The end motion keeps its doubling cuts, so that what is solved there keeps its bits. Without cuts, a cubic
         // that is followed far from its knots would be examined as a whole.
-        let beyond = (cut > old_segments.len()).then(|| old.segment_after());
+        let beyond = (old_count > old_segments.len()).then(|| old.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, old_knots.last()) {
             end_motion.check_followable((last, from), old_knots.len() - 1)?;
@@ -136,17 +136,17 @@ impl Trajectory {
         }
         let (cuts_after, cuts_before) = (cuts_after.but_last(), cuts_before.but_last());
         // The instants at which its pieces begin; not copied only to be dropped.
-        let begins = old_knots[..cut].iter().copied().chain(cuts_after);
+        let begins = old_knots[..old_count].iter().copied().chain(cuts_after);
         let is_past = |time: f64| time < since.min(from);
-        let mut past = count_at_front(&old_knots[..cut], is_past);
-        if past == cut {
+        let mut past = count_at_front(&old_knots[..old_count], is_past);
+        if past == old_count {
             past = begins.clone().take_while(|&time| is_past(time)).count();
         }
         let dropped = past.saturating_sub(1);
         let begins = begins.skip(dropped);
         let kept = begins.clone().count();
         let own = old_segments.len();
-        let old_segments = old_segments[dropped.min(own)..cut.min(own)].iter();
+        let old_segments = old_segments[dropped.min(own)..old_count.min(own)].iter();
         // Of this plan: the piece that contains `from`, and all later ones.
         let goes_on = knots_before < self.knots().len();
         let present = match knots_before {
@@ -158,8 +158,8 @@ impl Trajectory {
         let beyond = beyond
             .into_iter()
             .flat_map(|beyond| repeat_n(beyond, beyond_count));
-        let cut_before = cuts_before.clone().count();
-        let to_come = if goes_on { 1 + cut_before } else { 0 };
+        let count_of_cuts_before = cuts_before.clone().count();
+        let to_come = if goes_on { 1 + count_of_cuts_before } else { 0 };
         // The motion before a splice ahead of the old knots is not that from the new first knot.
         let before = if old_knots.first().is_some_and(|&first| from < first) {
             old.segment_before()
@@ -182,7 +182,7 @@ impl Trajectory {
         if dropped > 0 {
             lists.begin_anew();
         }
-        let count = kept + 1 + cut_before;
+        let count = kept + 1 + count_of_cuts_before;
         let knots = begins.chain(once(from)).chain(cuts_before);
         lists.knots.replace_front(knots_before, count, knots);
         // They come from the knot outwards.

@@ -27,7 +27,7 @@ impl RecordSource {
 
 /// Returns the number of rows, besides the first, that a box reaches on each axis of rows.
 #[inline(always)]
-pub(super) fn spans(packed: &QuantizedBox, layout: &RowLayout) -> [u32; 2] {
+pub(super) fn extra_rows(packed: &QuantizedBox, layout: &RowLayout) -> [u32; 2] {
     let [first, second] = layout.across;
     let rows = layout.rows;
     [
@@ -55,7 +55,7 @@ impl ExtraCells {
     #[inline(always)]
     pub(super) fn of(packed: &QuantizedBox, layout: &RowLayout) -> Self {
         let cell = packed.cell as usize;
-        let [lines, span] = spans(packed, layout);
+        let [lines, span] = extra_rows(packed, layout);
         Self {
             cell,
             line: cell,

@@ -51,11 +51,11 @@ pub struct Sweep {
     /// Memory of comparisons of all boxes.
     faces: [[Vec<f32>; 3]; 2],
     /// Divided boxes, by depth.
-    parts: Vec<Partition>,
+    partitions: Vec<Partition>,
     /// Number of copies that dividing may still make in this slice.
     copies_left: usize,
     /// Candidates found by several threads, in the order of the lists of successors.
-    shares: Vec<Vec<Candidate>>,
+    chunks: Vec<Vec<Candidate>>,
 }
 
 impl Sweep {
@@ -83,14 +83,14 @@ impl Sweep {
             rows: SortedRows::default(),
             group_of: Vec::new(),
             faces: Default::default(),
-            parts: Vec::new(),
+            partitions: Vec::new(),
             copies_left: 0,
-            shares: Vec::new(),
+            chunks: Vec::new(),
         }
     }
 
-    /// Returns the sweep with another instruction set.
-    pub(crate) const fn at(&mut self, instructions: InstructionSet) -> &mut Self {
+    /// Sets the instruction set, and returns the sweep.
+    pub(crate) const fn set_instruction_set(&mut self, instructions: InstructionSet) -> &mut Self {
         self.instructions = instructions;
         self
     }
@@ -108,20 +108,22 @@ impl Sweep {
             return self.compare_all(boxes, &region, filter, candidates);
         }
         self.sample.take(boxes, &region);
-        if depth == self.parts.len() {
-            self.parts.push(Partition::default());
+        if depth == self.partitions.len() {
+            self.partitions.push(Partition::default());
         }
-        let parts = &mut self.parts[depth];
-        if self.sample.set_planes_at_gaps(parts) && parts.divide(boxes, &mut self.copies_left) {
+        let partition = &mut self.partitions[depth];
+        if self.sample.set_planes_at_gaps(partition)
+            && partition.divide(boxes, &mut self.copies_left)
+        {
             return self.find_in_parts(region, depth, filter, candidates);
         }
         let layout = RowLayout::choose(boxes.len(), self.sample.shares());
         let comparisons = self.sort(boxes, layout, filter);
         let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
         if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
-            let parts = &mut self.parts[depth];
-            self.sample.set_planes_evenly(parts);
-            if parts.divide(boxes, &mut self.copies_left) {
+            let partition = &mut self.partitions[depth];
+            self.sample.set_planes_evenly(partition);
+            if partition.divide(boxes, &mut self.copies_left) {
                 return self.find_in_parts(region, depth, filter, candidates);
             }
         }
@@ -175,7 +177,7 @@ impl Sweep {
         let Self {
             instructions,
             rows,
-            shares,
+            chunks,
             ..
         } = self;
         let all = rows.lists();
@@ -194,15 +196,13 @@ impl Sweep {
             return sweep(0..all, candidates);
         }
         // Rows differ in length.
-        let share = all.div_ceil(4 * threads).max(1);
-        shares.resize_with(all.div_ceil(share), Vec::new);
-        parallel::for_each_chunk(shares, 1, (boxes.len(), 0), |number, shares| {
-            for found in shares {
-                let first = number * share;
-                sweep(first..all.min(first + share), found);
-            }
+        let size = all.div_ceil(4 * threads).max(1);
+        chunks.resize_with(all.div_ceil(size), Vec::new);
+        parallel::for_each(chunks, |number, found| {
+            let first = number * size;
+            sweep(first..all.min(first + size), found);
         });
-        for found in shares {
+        for found in chunks {
             candidates.append(found);
         }
     }
@@ -233,11 +233,11 @@ impl Sweep {
         candidates: &mut Vec<Candidate>,
     ) {
         // Taken out meanwhile: what is below uses the scratch of further depths.
-        let parts = std::mem::take(&mut self.parts[depth]);
-        for (boxes, region) in parts.iter(region) {
+        let partition = std::mem::take(&mut self.partitions[depth]);
+        for (boxes, region) in partition.iter(region) {
             self.find(boxes, region, depth + 1, filter, candidates);
         }
-        self.parts[depth] = parts;
+        self.partitions[depth] = partition;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Counting sort of boxes into rows, and by bins within a row.
 
-use super::copies::{ExtraCells, RecordSource, spans};
+use super::copies::{ExtraCells, RecordSource, extra_rows};
 use super::layout::RowLayout;
 use super::quantizer::{QuantizedBox, Quantizer, axis_part};
 use super::sample::scattered;
@@ -22,7 +22,7 @@ const MAX_COPIES: u64 = 4;
 pub(super) struct SortedRows {
     packed: Vec<QuantizedBox>,
     /// The boxes that reach more than one row.
-    spread: Vec<u32>,
+    spanning: Vec<u32>,
     /// End of the records of each cell.
     pub(super) cell_ends: Vec<u32>,
     /// Box of each record.
@@ -155,9 +155,11 @@ fn pack<const GROUPED: bool>(
     layout: &RowLayout,
     rows: &mut SortedRows,
 ) {
-    let SortedRows { packed, spread, .. } = rows;
+    let SortedRows {
+        packed, spanning, ..
+    } = rows;
     packed.resize(boxes.len(), QuantizedBox::default());
-    spread.resize(boxes.len(), 0);
+    spanning.resize(boxes.len(), 0);
     let [first, second] = layout.across;
     let mut parts = [0; 8];
     for lane in [0, 3] {
@@ -165,7 +167,7 @@ fn pack<const GROUPED: bool>(
         parts[first + lane] = layout.rows[0];
         parts[second + lane] = layout.rows[1];
     }
-    let mut spread_count = 0;
+    let mut spanning_count = 0;
     // Loops instead of iterators with closures: a closure that is not inlined is compiled without
     // the set's instructions.
     for ((number, one), packed) in (0..).zip(boxes).zip(packed.iter_mut()) {
@@ -184,21 +186,21 @@ fn pack<const GROUPED: bool>(
             high: [quantized[3], quantized[4], quantized[5]],
             cell: group_row * layout.bins + place[layout.sweep],
         };
-        // Written in any case, kept where it spans: whether it does cannot be predicted.
-        spread[spread_count] = number;
-        let spans = (place[first + 3] - outer) | (place[second + 3] - inner);
-        spread_count += usize::from(spans != 0);
+        // Written in any case, kept where it spans rows: whether it does cannot be predicted.
+        spanning[spanning_count] = number;
+        let extra_rows = (place[first + 3] - outer) | (place[second + 3] - inner);
+        spanning_count += usize::from(extra_rows != 0);
     }
-    spread.truncate(spread_count);
+    spanning.truncate(spanning_count);
 }
 
 /// Returns the number of copies besides those in the cells of low corners.
 #[inline(always)]
 fn further_copies(layout: &RowLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
-    for &number in &rows.spread {
-        let spans = spans(&rows.packed[number as usize], layout);
-        copies += u64::from((spans[0] + 1) * (spans[1] + 1) - 1);
+    for &number in &rows.spanning {
+        let extra_rows = extra_rows(&rows.packed[number as usize], layout);
+        copies += u64::from((extra_rows[0] + 1) * (extra_rows[1] + 1) - 1);
     }
     copies
 }
@@ -208,7 +210,7 @@ fn further_copies(layout: &RowLayout, rows: &SortedRows) -> u64 {
 fn count(layout: &RowLayout, rows: &mut SortedRows) {
     let SortedRows {
         packed,
-        spread,
+        spanning,
         cell_ends,
         ..
     } = rows;
@@ -217,7 +219,7 @@ fn count(layout: &RowLayout, rows: &mut SortedRows) {
     for packed in packed.iter() {
         cell_ends[packed.cell as usize] += 1;
     }
-    for &number in spread.iter() {
+    for &number in spanning.iter() {
         let mut cells = ExtraCells::of(&packed[number as usize], layout);
         while let Some(cell) = cells.next() {
             cell_ends[cell] += 1;
@@ -240,7 +242,7 @@ fn starts_from_counts(cells: &mut [u32]) -> usize {
 fn scatter(layout: &RowLayout, rows: &mut SortedRows, count: usize) {
     let SortedRows {
         packed,
-        spread,
+        spanning,
         cell_ends,
         source,
         ..
@@ -251,7 +253,7 @@ fn scatter(layout: &RowLayout, rows: &mut SortedRows, count: usize) {
         source[*place as usize] = RecordSource(number);
         *place += 1;
     }
-    for &number in spread.iter() {
+    for &number in spanning.iter() {
         let mut cells = ExtraCells::of(&packed[number as usize], layout);
         while let Some(cell) = cells.next() {
             let place = &mut cell_ends[cell];

@@ -60,10 +60,10 @@ impl BoxSample {
     }
 
     /// Sets planes in empty space and returns true, if that is more than half of an axis.
-    pub(super) fn set_planes_at_gaps(&self, parts: &mut Partition) -> bool {
+    pub(super) fn set_planes_at_gaps(&self, partition: &mut Partition) -> bool {
         for axis in 0..3 {
-            parts.axis = axis;
-            parts.planes.clear();
+            partition.axis = axis;
+            partition.planes.clear();
             let lows = &self.lows[axis];
             let outliers = lows.len() / Self::OUTLIERS;
             let lows = &lows[outliers..lows.len() - outliers];
@@ -74,7 +74,7 @@ impl BoxSample {
                 let size = width((gap[0], gap[1]));
                 if size > wide {
                     empty += size;
-                    parts.planes.push(before(gap[1], gap[0]));
+                    partition.planes.push(before(gap[1], gap[0]));
                 }
             }
             if empty > 0.5 * whole {
@@ -85,17 +85,17 @@ impl BoxSample {
     }
 
     /// Sets planes that quarter the boxes about equally, across the axis with the shortest boxes.
-    pub(super) fn set_planes_evenly(&self, parts: &mut Partition) {
+    pub(super) fn set_planes_evenly(&self, partition: &mut Partition) {
         let shares = &self.shares;
         let shorter = |&one: &usize, &other: &usize| shares[one].total_cmp(&shares[other]);
-        parts.axis = (0..3).min_by(shorter).unwrap_or(0);
-        let lows = &self.lows[parts.axis];
+        partition.axis = (0..3).min_by(shorter).unwrap_or(0);
+        let lows = &self.lows[partition.axis];
         let quarter = lows.len() / 4;
-        parts.planes.clear();
-        parts
+        partition.planes.clear();
+        partition
             .planes
             .extend([quarter, 2 * quarter, 3 * quarter].map(|place| lows[place]));
-        parts.planes.dedup();
+        partition.planes.dedup();
     }
 }
 

@@ -5,7 +5,7 @@ use super::super::budget::BudgetMeter;
 use crate::count::are_most;
 
 /// Number of ticks within which most bodies change again where kept boxes do not pay.
-pub(super) const SOON: u32 = 8;
+pub(super) const FEW_TICKS: u32 = 8;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl AffordableLookahead {
         Self {
             share: 1.0,
             has_changed: false,
-            since_most_changed: SOON,
+            since_most_changed: FEW_TICKS,
             had_to_finish: false,
             late_ticks: 0,
             last: (now, now),
@@ -52,7 +52,7 @@ impl AffordableLookahead {
     ) -> f64 {
         self.has_changed = changed > 0;
         let have_most_changed_again = if are_most(changed, all) {
-            std::mem::take(&mut self.since_most_changed) < SOON
+            std::mem::take(&mut self.since_most_changed) < FEW_TICKS
         } else {
             self.since_most_changed = self.since_most_changed.saturating_add(1);
             false

@@ -13,7 +13,7 @@
     clippy::cast_precision_loss,
     reason = "numbers of bodies, of which a rough share is wanted"
 )]
-pub(super) fn due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -> f64 {
+pub(super) fn share_due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -> f64 {
     // Ticks between two slices that become needed.
     let in_all = 1.0 / step.max(f64::MIN_POSITIVE);
     // Ticks that share the work. The quotient is infinite or not a number if nobody has changed: then all ticks do.
@@ -23,11 +23,11 @@ pub(super) fn due_ahead(share: f64, step: f64, (changed, all): (usize, usize)) -
 
 #[cfg(test)]
 mod tests {
-    use super::due_ahead;
+    use super::share_due_ahead;
 
     #[test]
     fn work_ahead_is_even_where_few_change_and_late_where_many_do() {
-        let ahead = |tick: f64, changed| due_ahead(tick / 60.0, 1.0 / 60.0, (changed, 1000));
+        let ahead = |tick: f64, changed| share_due_ahead(tick / 60.0, 1.0 / 60.0, (changed, 1000));
         for tick in 0..=60 {
             let tick = f64::from(tick);
             // Too few to be in the way, or nobody.
@@ -40,7 +40,7 @@ mod tests {
         }
         assert!(ahead(58.0, 1000) < 1e-12 && ahead(59.0, 1000) > 0.4 && ahead(60.0, 1000) >= 1.0);
         // Nothing comes nearer while the clock stands.
-        assert!(due_ahead(0.5, 0.0, (1, 1000)) <= 0.0);
-        assert!((due_ahead(0.5, 0.0, (0, 0)) - 0.5).abs() < 1e-12);
+        assert!(share_due_ahead(0.5, 0.0, (1, 1000)) <= 0.0);
+        assert!((share_due_ahead(0.5, 0.0, (0, 0)) - 0.5).abs() < 1e-12);
     }
 }

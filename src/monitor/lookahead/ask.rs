@@ -42,7 +42,7 @@ impl LookaheadSearch {
         for times in neighbours.chunk_by(|one, next| one.slot == next.slot) {
             let other = times[0].slot;
             let admitted = other != slot && admits(other);
-            let Some(view) = self.view(scene, other).filter(|_| admitted) else {
+            let Some(view) = self.monitored.view(scene, other).filter(|_| admitted) else {
                 continue;
             };
             let [(_, a), (_, b)] = in_order((slot, own), (other, &view));

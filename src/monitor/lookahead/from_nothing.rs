@@ -4,7 +4,7 @@
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
-use super::affordable::SOON;
+use super::affordable::FEW_TICKS;
 use super::{LookaheadSearch, LookaheadSlice};
 use crate::broad_phase::PairFilter;
 use crate::count::are_most;
@@ -47,7 +47,7 @@ impl LookaheadSearch {
     /// few ticks before, so that kept boxes would not pay; or most was a few ticks before, something has changed, and none
     /// of the needed slices has boxes. (All is unknown at the first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, needed: usize) -> bool {
-        let is_soon = self.since_unknown < SOON;
+        let is_soon = self.since_unknown < FEW_TICKS;
         if self.is_mostly_unknown(needed) {
             self.since_unknown = 0;
             return is_soon;

@@ -47,7 +47,7 @@ impl LookaheadSlice {
         self.number = number;
         self.interval = interval;
         self.stage = BuildStage::default();
-        self.due = 0.0;
+        self.due_share = 0.0;
         self.boxed.clear();
         self.candidates.clear();
         self.refined = 0;
@@ -103,12 +103,12 @@ impl LookaheadSlice {
 
     /// Notes that the slice is needed from now on: all of its work is due.
     pub(super) const fn need(&mut self) {
-        self.due = 1.0;
+        self.due_share = 1.0;
     }
 
     /// Notes that a share of the work (0 to 1) is due, before the slice is needed. Boxes are placed in the order of
     /// the tree of the slice before: in most scenes bodies have the same neighbours in both.
-    pub(super) fn set_due_ahead(&mut self, share: f64, before: &Self) {
+    pub(super) fn set_share_due_ahead(&mut self, share: f64, before: &Self) {
         if self.is_put_off {
             return;
         }
@@ -116,13 +116,13 @@ impl LookaheadSlice {
             self.index.boxes.begin_like(&before.index.boxes);
             self.stage = BuildStage::Placing(0);
         }
-        self.due = share;
+        self.due_share = share;
     }
 
     /// Returns the part of `count` that is due now, for a stage of the work that lasts from one share of
     /// all work to another.
     fn due_of(&self, count: usize, (from, to): (f64, f64)) -> usize {
-        let share = ((self.due - from) / (to - from)).clamp(0.0, 1.0);
+        let share = ((self.due_share - from) / (to - from)).clamp(0.0, 1.0);
         whole((as_f64(count) * share).ceil()) as usize
     }
 
@@ -143,19 +143,16 @@ impl LookaheadSlice {
 
     /// Returns true if all that is due is compared: the slice is *fresh*.
     pub(super) fn is_fresh(&self, bodies: &BodyTable<'_>) -> bool {
+        let has_all = |slots| (self.due_slots(bodies)..bodies.monitored.len()).contains(&slots);
         let is_there = match self.stage {
             // Changed bodies are boxed again when the slice is built.
             BuildStage::Listing(slots) => {
-                let due = self.due_slots(bodies);
-                return self.due < 1.0 && slots >= due && slots < bodies.monitored.len();
+                return self.due_share < 1.0 && has_all(slots);
             }
             // When all boxes are placed, joining has to begin: the slice is not fresh.
-            BuildStage::Placing(slots) => {
-                let due = self.due_slots(bodies);
-                self.due < 1.0 && slots >= due && slots < bodies.monitored.len()
-            }
+            BuildStage::Placing(slots) => self.due_share < 1.0 && has_all(slots),
             BuildStage::Joining(leaves, order) => {
-                self.due < 1.0
+                self.due_share < 1.0
                     && leaves >= self.due_leaves()
                     && order == self.index.boxes.resort_count()
             }
@@ -417,7 +414,7 @@ impl LookaheadSlice {
             self.box_changed(bodies, None, scratch);
             self.index.boxes.replace(&scratch.listed);
         }
-        if self.due < 1.0 {
+        if self.due_share < 1.0 {
             self.changed.clear();
             self.boxed = Vec::new();
             self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());

@@ -20,7 +20,7 @@ pub(in crate::monitor) struct LookaheadSlice {
     pub(super) index: BoxIndex,
     pub(super) stage: BuildStage,
     /// Share of the work that is to be done now, 0 to 1: 1 if the slice is needed.
-    pub(super) due: f64,
+    pub(super) due_share: f64,
     /// Bodies that changed since they were boxed.
     pub(super) changed: SlotSet,
     /// Boxes formed so far, until the tree is built from all of them.

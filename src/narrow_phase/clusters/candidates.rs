@@ -1,12 +1,14 @@
 //! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
 
-use super::proven::BoundedPiece;
+use super::proven::BoundStep;
 use crate::enclosure::squared_distance;
 use crate::narrow_phase::approach::retain_from;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
+use crate::real::least_of;
 use crate::rounding::UNIT_ROUNDOFF;
 use arrayvec::ArrayVec;
 use glam::DVec3;
+use std::array;
 
 /// Largest number of times that an interval is halved to find the nearest candidates: rounding allows no more.
 pub(super) const HALVINGS: u32 = 3;
@@ -32,19 +34,11 @@ impl SphereCandidate {
     #[inline]
     pub(super) fn new(spheres: (u32, u32), points: &[DVec3; 4], radii: f64, distance: f64) -> Self {
         let bernstein = squared_distance(points);
-        let mut lowest = f64::INFINITY;
-        for coefficient in bernstein {
-            lowest = if coefficient < lowest {
-                coefficient
-            } else {
-                lowest
-            };
-        }
         Self {
             spheres,
             bernstein,
-            distance: lowest.max(0.0).sqrt().max(distance),
-            rounding: rounding_of_heights(points),
+            distance: least_of(bernstein).max(0.0).sqrt().max(distance),
+            rounding: rounding_of_coefficients(points),
             radii,
         }
     }
@@ -59,25 +53,21 @@ impl SphereCandidate {
         self.distance - self.radii
     }
 
-    /// Returns true if the spheres may come as near as they must in a piece of the interval, to matter there. `within` turns
+    /// Returns true if the spheres may come as near as they must in a step of the interval, to matter there. `within` turns
     /// a bound (m) into a separation in the unit of lengths.
-    pub(super) fn comes_within(
-        &self,
-        pieces: &[BoundedPiece],
-        within: impl Fn(f64) -> f64,
-    ) -> bool {
+    pub(super) fn comes_within(&self, steps: &[BoundStep], within: impl Fn(f64) -> f64) -> bool {
         let (mut bernstein, mut start) = (self.bernstein, 0.0);
-        for &BoundedPiece { end, bound } in pieces {
-            let mut piece = bernstein;
+        for &BoundStep { end, bound } in steps {
+            let mut step = bernstein;
             if end < 1.0 {
                 let share = (end - start) / (1.0 - start);
-                [piece, bernstein] = split(&bernstein, share);
+                [step, bernstein] = split(&bernstein, share);
             }
             start = end;
             let distance = within(bound) + self.radii;
-            // Of the coefficients, of a split for each piece before, and of the halvings of `is_above`: at most 202 units.
+            // Of the coefficients, of a split for each step before, and of the halvings of `is_above`: at most 202 units.
             let square = distance * distance + 8.0 * self.rounding;
-            if distance >= 0.0 && !is_above(&piece, square, 2) {
+            if distance >= 0.0 && !is_above(&step, square, 2) {
                 return true;
             }
         }
@@ -104,12 +94,8 @@ impl SphereCandidate {
         let rounding = self.rounding + near.rounding;
         let least = difference_of_squares(*distance, excess) + rounding;
         // Without a branch: the processor cannot predict which one is behind.
-        let mut lowest = f64::INFINITY;
-        for (far, near) in self.bernstein.iter().zip(&near.bernstein) {
-            let above = far - near;
-            lowest = if above < lowest { above } else { lowest };
-        }
-        lowest > least
+        let above: [f64; 7] = array::from_fn(|k| self.bernstein[k] - near.bernstein[k]);
+        least_of(above) > least
     }
 }
 
@@ -208,7 +194,7 @@ pub(super) fn find_nearest(
 
 /// Returns a bound of the rounding of coefficients, of a part or of what is left of it after so many [halvings](HALVINGS): 32 units
 /// of the largest square.
-pub(super) fn rounding_of_heights(points: &[DVec3; 4]) -> f64 {
+pub(super) fn rounding_of_coefficients(points: &[DVec3; 4]) -> f64 {
     // Of the largest square: 10 of the coefficients of the part, 6 of their means each time.
     let squares = points.map(DVec3::length_squared);
     32.0 * UNIT_ROUNDOFF * squares.into_iter().fold(0.0, f64::max)

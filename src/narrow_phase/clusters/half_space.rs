@@ -8,10 +8,11 @@
 use super::cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use crate::accuracy::Accuracy;
 use crate::narrow_phase::BodyView;
-use crate::narrow_phase::half_space::{PlanePair, SphereAlong, lowest};
+use crate::narrow_phase::half_space::{PlanePair, SphereAlong};
 use crate::narrow_phase::relative::{HeightCubic, rejection_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
+use crate::real::least_of;
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -129,7 +130,7 @@ impl<'a> TurningOverPlane<'a> {
         ways: &mut Vec<SphereAlong>,
     ) -> Option<HeightCubic> {
         let heights = self.pair.heights(cell.span);
-        let least = lowest(&heights.points);
+        let least = least_of(heights.points);
         if margin < f64::INFINITY && least > self.pair.bound(margin, cell.span) {
             return None;
         }
@@ -169,7 +170,7 @@ impl<'a> TurningOverPlane<'a> {
             let is_above = |(_, other): &(f64, [f64; 4])| {
                 (0..4).all(|place| floor[place] > other[place] + slack)
             };
-            lowest(&sum) <= margin && !lowest_ones.iter().any(is_above)
+            least_of(sum) <= margin && !lowest_ones.iter().any(is_above)
         });
         Some(heights)
     }

@@ -15,23 +15,23 @@ pub(super) struct NearSpheres {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ListedSphere {
     pub(super) number: u32,
-    /// Reach along a direction, m: see [`SpheresOverPart::find_reaches`](super::part::SpheresOverPart::find_reaches).
-    pub(super) reach: f64,
+    /// Support along a direction, m: see [`SpheresOverPart::find_supports`](super::part::SpheresOverPart::find_supports).
+    pub(super) support: f64,
 }
 
-/// The way of a sphere's centre in an interval, in the unit of lengths.
+/// The path of a sphere's centre in an interval, in the unit of lengths.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct SpherePath {
     points: [DVec3; 4],
     /// From the first point to the last one.
     chord: DVec3,
-    /// Bound of the way's deviation from the chord, gone along evenly.
+    /// Bound of the path's deviation from the chord, gone along evenly.
     deviation: f64,
     /// Radius of the sphere.
     radius: f64,
 }
 
-impl Way {
+impl SpherePath {
     #[inline(always)]
     pub(super) fn new(points: [DVec3; 4], radius: f64) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl Way {
         }
     }
 
-    /// Returns the control points relative to those of another way.
+    /// Returns the control points relative to those of another path.
     #[inline]
     pub(super) fn relative_to(&self, other: &Self) -> [DVec3; 4] {
         let ([p0, p1, p2, p3], [q0, q1, q2, q3]) = (self.points, other.points);
@@ -98,8 +98,8 @@ impl NearSpheres {
     pub(super) fn remove_far(&mut self, bound: f64) {
         let [a, b] = &mut self.listed;
         // These two are not removed, unless all are.
-        let [nearest, farthest] = self.foremost.map(|one| one.reach);
-        retain_from(0, a, |_, one| one.reach - farthest <= bound);
-        retain_from(0, b, |_, one| nearest - one.reach <= bound);
+        let [nearest, farthest] = self.foremost.map(|one| one.support);
+        retain_from(0, a, |_, one| one.support - farthest <= bound);
+        retain_from(0, b, |_, one| nearest - one.support <= bound);
     }
 }

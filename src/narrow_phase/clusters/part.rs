@@ -5,7 +5,7 @@
 //! direction. Each pair is solved over the whole part.
 
 use super::candidates::SphereCandidate;
-use super::near::{ListedSphere, NearSpheres, Way, deviation};
+use super::near::{ListedSphere, NearSpheres, SpherePath, deviation};
 use crate::accuracy::Accuracy;
 use crate::blossom::restrict;
 use crate::hitbox::Sphere;
@@ -15,6 +15,7 @@ use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::{RelativeMotion, rejection_threshold};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
+use crate::real::least_of;
 use crate::rounding::{norm, scale_to_one};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -56,19 +57,19 @@ pub(super) struct PartScratch {
 #[derive(Debug, Default)]
 pub(super) struct CandidateBuffers {
     /// Ways of b's listed spheres.
-    ways_b: Vec<Way>,
+    paths_b: Vec<SpherePath>,
     pub(super) candidates: Vec<SphereCandidate>,
     /// Candidates that may be the nearest ones at some time.
     pub(super) nearest: Vec<(u32, u32)>,
 }
 
 /// Relative motion of two spheres in an interval.
-pub(super) struct RelativeWay {
+pub(super) struct RelativePath {
     /// Bound of their separation, without the errors of their centres, m.
     pub(super) most: f64,
-    /// Length of the way, in sums of radii.
+    /// Length of the path, in sums of radii.
     pub(super) length: f64,
-    /// Deviation of the way from its chord, in sums of radii.
+    /// Deviation of the path from its chord, in sums of radii.
     pub(super) bend: f64,
 }
 
@@ -135,7 +136,7 @@ fn four_means(&[p0, p1, p2, p3]: &[DVec3; 4]) -> DVec3 {
 }
 
 impl<'a> SpheresOverPart<'a> {
-    /// Length of a [relative way](RelativeWay) from which on halving an interval tells enough pairs apart, if they are many.
+    /// Length of a [relative path](RelativePath) from which on halving an interval tells enough pairs apart, if they are many.
     pub(super) const LONG: f64 = 2.0;
     /// Bend from which on halving an interval tells enough pairs apart.
     pub(super) const BENT: f64 = 0.25;
@@ -231,13 +232,16 @@ impl<'a> SpheresOverPart<'a> {
         for (listed, view) in near.listed.iter_mut().zip(self.views) {
             listed.clear();
             let numbers = (0..).zip(view.spheres).map(|(number, _)| number);
-            listed.extend(numbers.map(|number| ListedSphere { number, reach: 0.0 }));
+            listed.extend(numbers.map(|number| ListedSphere {
+                number,
+                support: 0.0,
+            }));
         }
     }
 
-    /// Returns the way of a sphere's centre in an interval, from b's position.
+    /// Returns the path of a sphere's centre in an interval, from b's position.
     #[inline(always)]
-    fn way(&self, interval: &Interval, body: usize, number: u32) -> Way {
+    fn sphere_path(&self, interval: &Interval, body: usize, number: u32) -> SpherePath {
         let power = self.power;
         let sphere = self.sphere(body, number);
         let [p0, p1, p2, p3] = interval.way(body, sphere.offset);
@@ -247,27 +251,33 @@ impl<'a> SpheresOverPart<'a> {
         } else {
             [p0, p1, p2, p3]
         };
-        Way::new(points.map(|point| point * power), sphere.radius * power)
+        SpherePath::new(points.map(|point| point * power), sphere.radius * power)
     }
 
     /// Returns two spheres in an interval.
     pub(super) fn candidate(&self, interval: &Interval, (a, b): (u32, u32)) -> SphereCandidate {
-        let (way_a, way_b) = (self.way(interval, 0, a), self.way(interval, 1, b));
+        let (path_a, path_b) = (
+            self.sphere_path(interval, 0, a),
+            self.sphere_path(interval, 1, b),
+        );
         let radii = (self.sphere(0, a).radius + self.sphere(1, b).radius) * self.power;
-        SphereCandidate::new((a, b), &way_a.relative_to(&way_b), radii, 0.0)
+        SphereCandidate::new((a, b), &path_a.relative_to(&path_b), radii, 0.0)
     }
 
     /// Returns the least separation (m) that one of b's spheres and any of a's listed ones come within in an interval, without
     /// the errors of their centres.
     pub(super) fn least_reached(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
-        let way_b = self.way(interval, 1, b);
+        let path_b = self.sphere_path(interval, 1, b);
         let numbers = near.listed[0].iter().map(|one| one.number);
-        let all = numbers.map(|number| self.way(interval, 0, number).separation_reached(&way_b));
+        let all = numbers.map(|number| {
+            self.sphere_path(interval, 0, number)
+                .separation_reached(&path_b)
+        });
         all.fold(f64::INFINITY, f64::min) / self.power
     }
 
     /// Returns the relative motion of two spheres in an interval.
-    pub(super) fn relative_way(&self, interval: &Interval, (a, b): (u32, u32)) -> RelativeWay {
+    pub(super) fn relative_path(&self, interval: &Interval, (a, b): (u32, u32)) -> RelativePath {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));
         let (p, q) = (
             interval.way(0, sphere_a.offset),
@@ -277,7 +287,7 @@ impl<'a> SpheresOverPart<'a> {
         let farthest = points.map(norm).into_iter().fold(0.0, f64::max);
         let length: f64 = points.windows(2).map(|two| norm(two[1] - two[0])).sum();
         let radii = sphere_a.radius + sphere_b.radius;
-        RelativeWay {
+        RelativePath {
             most: farthest - radii,
             length: length / radii,
             bend: deviation(&points) / radii,
@@ -316,23 +326,29 @@ impl<'a> SpheresOverPart<'a> {
         buffers: &mut CandidateBuffers,
     ) {
         let CandidateBuffers {
-            ways_b, candidates, ..
+            paths_b,
+            candidates,
+            ..
         } = buffers;
         let [listed_a, listed_b] = &near.listed;
         let power = self.power;
         candidates.clear();
-        ways_b.clear();
-        ways_b.extend(listed_b.iter().map(|one| self.way(interval, 1, one.number)));
+        paths_b.clear();
+        paths_b.extend(
+            listed_b
+                .iter()
+                .map(|one| self.sphere_path(interval, 1, one.number)),
+        );
         let bound = self.threshold(margin);
         let within = (bound + self.error) * power;
         for one in listed_a {
             let radius_a = self.sphere(0, one.number).radius;
-            let way_a = self.way(interval, 0, one.number);
-            for (other, way_b) in listed_b.iter().zip(&*ways_b) {
-                if one.reach - other.reach > bound {
+            let path_a = self.sphere_path(interval, 0, one.number);
+            for (other, path_b) in listed_b.iter().zip(&*paths_b) {
+                if one.support - other.support > bound {
                     continue;
                 }
-                let Some(distance) = way_a.distance_within(way_b, within) else {
+                let Some(distance) = path_a.distance_within(path_b, within) else {
                     continue;
                 };
                 let radius_b = self.sphere(1, other.number).radius;
@@ -344,7 +360,7 @@ impl<'a> SpheresOverPart<'a> {
                 // The clearance contains all rounding: see the rejection by coefficients.
                 let threshold = rejection_threshold(radius, self.scale) * power;
                 let radii = (radius_a + radius_b) * power;
-                let points = way_a.relative_to(way_b);
+                let points = path_a.relative_to(path_b);
                 let spheres = (one.number, other.number);
                 let candidate = SphereCandidate::new(spheres, &points, radii, distance);
                 if radius >= 0.0 && candidate.distance <= threshold {
@@ -375,7 +391,7 @@ impl<'a> SpheresOverPart<'a> {
     /// Finds how far each listed sphere reaches in an interval along the direction from b's to a's, m: those
     /// of a at least, from b's position, and those of b at most. The separation of two spheres is never
     /// below the difference. Finds the two foremost ones as well.
-    pub(super) fn find_reaches(&self, interval: &Interval, near: &mut NearSpheres) {
+    pub(super) fn find_supports(&self, interval: &Interval, near: &mut NearSpheres) {
         let direction = self.direction(interval, near);
         let base = interval.base.map(|point| point.dot(direction));
         let axes = [0, 1].map(|body: usize| {
@@ -383,9 +399,9 @@ impl<'a> SpheresOverPart<'a> {
             rotation.map(|rotation| rotation.projected_onto(direction))
         });
         let [listed_a, listed_b] = &mut near.listed;
-        let first = |listed: &[ListedSphere], reach: f64| ListedSphere {
+        let first = |listed: &[ListedSphere], support: f64| ListedSphere {
             number: listed.first().map_or(0, |one| one.number),
-            reach,
+            support,
         };
         let mut nearest = first(listed_a, f64::INFINITY);
         let mut farthest = first(listed_b, f64::NEG_INFINITY);
@@ -399,8 +415,8 @@ impl<'a> SpheresOverPart<'a> {
                 }
                 None => least + direction.dot(sphere.offset),
             };
-            one.reach = height - (sphere.radius + self.error);
-            if one.reach < nearest.reach {
+            one.support = height - (sphere.radius + self.error);
+            if one.support < nearest.support {
                 nearest = *one;
             }
         }
@@ -410,8 +426,8 @@ impl<'a> SpheresOverPart<'a> {
                 Some(axes) => -least_of(axes.map(|axis| -axis.dot(sphere.offset))),
                 None => direction.dot(sphere.offset),
             };
-            one.reach = sphere.radius + height;
-            if one.reach > farthest.reach {
+            one.support = sphere.radius + height;
+            if one.support > farthest.support {
                 farthest = *one;
             }
         }
@@ -443,14 +459,4 @@ impl<'a> SpheresOverPart<'a> {
             cubic,
         }
     }
-}
-
-/// Returns the least of some numbers.
-#[inline(always)]
-fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
-    let mut least = f64::INFINITY;
-    for number in numbers {
-        least = if number < least { number } else { least };
-    }
-    least
 }

@@ -26,17 +26,17 @@ impl ProvenContact {
     }
 }
 
-/// A piece of an interval.
+/// A part of an interval, with a bound.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BoundedPiece {
+pub(super) struct BoundStep {
     /// End, as a share of the interval.
     pub(super) end: f64,
     /// Separation that a pair of spheres must reach to matter, m. Below all numbers if none matters.
     pub(super) bound: f64,
 }
 
-/// The pieces of an interval, in time order.
-pub(super) type Pieces = ArrayVec<BoundedPiece, { 2 * ProvenContacts::MAX + 3 }>;
+/// The steps of an interval, in time order.
+pub(super) type BoundSteps = ArrayVec<BoundStep, { 2 * ProvenContacts::MAX + 3 }>;
 
 /// The contacts proven so far over a part of a span, for a margin and a window.
 #[derive(Debug)]
@@ -78,9 +78,9 @@ impl ProvenContacts {
         }
     }
 
-    /// Appends the pieces of an interval (shares of the part) to an empty list. Reported instants are rounded: another
+    /// Appends the steps of an interval (shares of the part) to an empty list. Reported instants are rounded: another
     /// pair matters if it is within the margin until shortly after a contact begins, or from shortly before it ends.
-    pub(super) fn list_pieces(&self, (start, end): (f64, f64), pieces: &mut Pieces) {
+    pub(super) fn list_bounds(&self, (start, end): (f64, f64), steps: &mut BoundSteps) {
         let Span {
             start: first,
             end: last,
@@ -98,8 +98,8 @@ impl ProvenContacts {
         let after = |time: f64| share(latest_exact(time), Self::SHARE, 1.0);
         let mut push = |end: f64, bound: f64| {
             let end = end.min(1.0);
-            if end > pieces.last().map_or(0.0, |before| before.end) {
-                pieces.push(BoundedPiece { end, bound });
+            if end > steps.last().map_or(0.0, |before| before.end) {
+                steps.push(BoundStep { end, bound });
             }
         };
         let (from, to) = (self.window.0.max(first), self.window.1.min(last));

@@ -7,7 +7,7 @@
 use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
 use super::near::NearSpheres;
 use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOverPart};
-use super::proven::{BoundedPiece, Pieces, ProvenContact, ProvenContacts};
+use super::proven::{BoundStep, BoundSteps, ProvenContact, ProvenContacts};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
 use std::collections::BTreeMap;
@@ -20,9 +20,9 @@ pub(super) trait Question {
         false
     }
 
-    /// Appends the pieces of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
+    /// Appends the steps of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
     /// be reached.
-    fn list_pieces(&self, interval: (f64, f64), pieces: &mut Pieces);
+    fn list_bounds(&self, interval: (f64, f64), steps: &mut BoundSteps);
 
     /// Solves a pair of spheres. `slack` is the difference of separations below which it is not certain which pair is nearer,
     /// m; `None` if what the pair tells of others is not needed.
@@ -45,9 +45,9 @@ pub(super) struct ClosestQuestion<F> {
 }
 
 impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
-    fn list_pieces(&self, _: (f64, f64), pieces: &mut Pieces) {
+    fn list_bounds(&self, _: (f64, f64), steps: &mut BoundSteps) {
         let bound = self.reached;
-        pieces.push(BoundedPiece { end: 1.0, bound });
+        steps.push(BoundStep { end: 1.0, bound });
     }
 
     fn solve(&mut self, pair: &SpherePair, _: Option<f64>) {
@@ -72,8 +72,8 @@ pub(super) struct ContactsQuestion<'a, F> {
 }
 
 impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuestion<'_, F> {
-    fn list_pieces(&self, interval: (f64, f64), pieces: &mut Pieces) {
-        self.proven.list_pieces(interval, pieces);
+    fn list_bounds(&self, interval: (f64, f64), steps: &mut BoundSteps) {
+        self.proven.list_bounds(interval, steps);
     }
 
     fn solve(&mut self, pair: &SpherePair, slack: Option<f64>) {
@@ -99,7 +99,7 @@ impl SpheresOverPart<'_> {
         let mut search = Search {
             part: self,
             question,
-            pieces: Pieces::new(),
+            steps: BoundSteps::new(),
             slack: None,
             buffers,
             solved,
@@ -113,8 +113,8 @@ impl SpheresOverPart<'_> {
 struct Search<'s, 'a> {
     part: &'s SpheresOverPart<'a>,
     question: &'s mut dyn Question,
-    /// Pieces of the interval at hand.
-    pieces: Pieces,
+    /// Steps of the interval at hand.
+    steps: BoundSteps,
     /// Difference of separations below which it is not certain which pair of spheres is nearer, m. `None` if that was not
     /// needed yet.
     slack: Option<f64>,
@@ -142,7 +142,7 @@ impl Search<'_, '_> {
         if bound == f64::NEG_INFINITY || near.pairs() == 0 {
             return;
         }
-        part.find_reaches(interval, near);
+        part.find_supports(interval, near);
         let facing = near.facing();
         if bound == f64::INFINITY {
             let reached = part.least_reached(interval, near, facing.1) + self.slack();
@@ -155,16 +155,16 @@ impl Search<'_, '_> {
         if near.pairs() > SpheresOverPart::MANY
             && let [next, deeper @ ..] = deeper
         {
-            let way = part.relative_way(interval, facing);
+            let path = part.relative_path(interval, facing);
             let mut is_crowded = near.pairs() > SpheresOverPart::CROWDED;
-            let is_long = way.bend > SpheresOverPart::BENT
-                || is_crowded && way.length > SpheresOverPart::LONG;
+            let is_long = path.bend > SpheresOverPart::BENT
+                || is_crowded && path.length > SpheresOverPart::LONG;
             let is_halved = is_long && interval.is_divisible();
             if is_halved || is_crowded {
                 self.is_divided = true;
                 self.solve_if_near(interval, &part.candidate(interval, facing));
                 // Pairs that are always farther are not the nearest ones.
-                most = most.min(way.most + self.slack());
+                most = most.min(path.most + self.slack());
                 bound = self.bound(interval);
                 near.remove_far(part.threshold(bound.min(most)));
                 is_crowded = near.pairs() > SpheresOverPart::CROWDED;
@@ -222,7 +222,7 @@ impl Search<'_, '_> {
         let power = part.power;
         let within = |bound: f64| (part.threshold(bound) + part.error) * power;
         if candidate.least() <= within(self.bound(interval))
-            && candidate.comes_within(&self.pieces, within)
+            && candidate.comes_within(&self.steps, within)
         {
             let slack = self.slack();
             self.solve_once(candidate.spheres, Some(slack));
@@ -233,11 +233,11 @@ impl Search<'_, '_> {
         *self.slack.get_or_insert_with(|| self.part.slack())
     }
 
-    /// Lists the pieces of an interval, and returns the largest of their bounds, m.
+    /// Lists the steps of an interval, and returns the largest of their bounds, m.
     fn bound(&mut self, interval: &Interval) -> f64 {
-        self.pieces.clear();
-        self.question.list_pieces(interval.ends, &mut self.pieces);
-        let bounds = self.pieces.iter().map(|piece| piece.bound);
+        self.steps.clear();
+        self.question.list_bounds(interval.ends, &mut self.steps);
+        let bounds = self.steps.iter().map(|step| step.bound);
         bounds.fold(f64::NEG_INFINITY, f64::max)
     }
 

@@ -6,7 +6,7 @@ use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
-use super::super::profile::{DistanceProfile, NEVER};
+use super::super::profile::{DistanceProfile, NO_CONTACT};
 use super::cells::Rotations;
 use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
@@ -204,16 +204,16 @@ fn omitted_pairs_change_nothing() {
             .turning
             .map(|turning| turning.cell_at(begin + 0.5, Accuracy::Exact).end);
         let instants: Vec<f64> = ends.take(4).chain(cut).collect();
-        let beside = instants
-            .iter()
-            .flat_map(|&at| [(window.0, at), (at, at), (at, window.1)]);
+        let windows = |&at: &f64| [(window.0, at), (at, at), (at, window.1)];
+        let beside = instants.iter().flat_map(windows);
         for window in beside.chain([window]) {
             found.clear();
             expected.clear();
+            let asked = (window, NO_CONTACT);
             contacts(a, b, all.iter().copied(), margin, window, &mut found);
             each(&views, &all, Accuracy::Exact, |pair, span| {
                 let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(&profile, span, band.outer, (window, NEVER), &mut expected);
+                pair.contacts(&profile, span, band.outer, asked, &mut expected);
             });
             join(&mut expected, 0);
             assert_eq!(found, expected, "{kind} {window:?}");

@@ -80,7 +80,7 @@ impl Deflated {
         let sign = 1.0_f32.copysign(-u);
         Self {
             quartic: [q0, sign * q1, q2, sign * q3, q4],
-            inward: (inward - SLOPE_TOLERANCE * tolerance).or_more(0.0),
+            inward: (inward - SLOPE_TOLERANCE * tolerance).max_or_other(0.0),
             sign,
         }
     }
@@ -125,10 +125,10 @@ pub(super) fn certify(
     // the root of the product. The factor `u + 1` changes nothing in that.
     let [h0, h1, h2, h3, h4] = high;
     let [l3, l2, l1, l0] = low;
-    let (beside_high, beside_low) = (h0.or_less(h2), l0.or_less(l2));
-    let second = (0.5 * (h1 + beside_high)).or_less(0.5 * (l1 + beside_low));
-    let least = (beside_high.or_less(beside_low))
-        .or_less(h3.or_less(h4))
-        .or_less(second.or_less(l3));
+    let (beside_high, beside_low) = (h0.min_or_other(h2), l0.min_or_other(l2));
+    let second = (0.5 * (h1 + beside_high)).min_or_other(0.5 * (l1 + beside_low));
+    let least = (beside_high.min_or_other(beside_low))
+        .min_or_other(h3.min_or_other(h4))
+        .min_or_other(second.min_or_other(l3));
     least - squared_distance.tolerance * tolerance_factor
 }

@@ -25,8 +25,8 @@ fn resting<R: Real>(rng: &mut ChaCha8Rng, least: i32) {
         let step = R::from_f64(1.0) + R::from_f64(2.0) * R::ROUNDING;
         let squared = |x: R| number(x.to_f64()) * number(x.to_f64());
         while squared(threshold) < exact {
-            threshold =
-                (threshold * step).or_more(threshold + R::from_f64(f64::from(f32::from_bits(1))));
+            threshold = (threshold * step)
+                .max_or_other(threshold + R::from_f64(f64::from(f32::from_bits(1))));
         }
         for verdict in [
             screen_halves([point; 4], threshold, threshold),

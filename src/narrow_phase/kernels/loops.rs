@@ -393,8 +393,8 @@ for_each_instruction_set! {
         }
         let [a, b, c, d] = &bounds.halves;
         for i in 0..count {
-            bounds.lows[i] = a[i].or_less(b[i]);
-            bounds.highs[i] = c[i].or_less(d[i]);
+            bounds.lows[i] = a[i].min_or_other(b[i]);
+            bounds.highs[i] = c[i].min_or_other(d[i]);
         }
         finish_bounds(&lanes, errors, bounds, 2.0);
     }
@@ -409,7 +409,7 @@ fn lower_near(side: &ControlPolygon) -> f64 {
     let (first, second) = (from_nearer(&first).0, reversed(second));
     Minorant::of(&first)
         .lower()
-        .or_less(Minorant::of(&second).lower())
+        .min_or_other(Minorant::of(&second).lower())
 }
 
 /// Returns a lower bound of the squared distance on the second half of a side, from its quarters.
@@ -420,7 +420,7 @@ fn lower_far(side: &ControlPolygon) -> f64 {
     let (first, second) = (from_nearer(&first).0, from_nearer(&second).0);
     Minorant::of(&first)
         .lower()
-        .or_less(Minorant::of(&second).lower())
+        .min_or_other(Minorant::of(&second).lower())
 }
 
 /// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`, into
@@ -435,7 +435,7 @@ fn finish_bounds(
     let count = errors.len().min(BLOCK);
     let lanes = lanes.first(count);
     for i in 0..count {
-        let bound = bounds.lows[i].or_less(bounds.highs[i]);
+        let bound = bounds.lows[i].min_or_other(bounds.highs[i]);
         let found = finish(
             &lanes.control_points(i),
             errors[i],
@@ -483,7 +483,7 @@ pub(super) fn halves_of_pair(
     let [before, after] = split(&polygon(points), time);
     let [a, b] = [lower_far(&before), lower_near(&before)];
     let [c, d] = [lower_near(&after), lower_far(&after)];
-    let bound = (a.or_less(b)).or_less(c.or_less(d));
+    let bound = (a.min_or_other(b)).min_or_other(c.min_or_other(d));
     let (_, tight) = finish(points, error, before[0].length_squared(), bound, 2.0);
     ([a, b, c, d], tight)
 }

@@ -114,7 +114,7 @@ pub(super) fn certify_against(
         remainder.bernstein(),
         0.5 * (remainder.least_point(rival) + 1.0),
     );
-    least_of_quarters(low).or_less(least_of_quarters(high))
+    least_of_quarters(low).min_or_other(least_of_quarters(high))
         - AGAIN * squared_distance.tolerance * tolerance_factor
 }
 
@@ -164,9 +164,9 @@ impl DeflatedRemainder {
             let even = t0 + v * (t2 + v * t4);
             let odd = u * (t1 + v * (t3 + v * t5));
             time = if even - odd < best { -u } else { time };
-            best = (even - odd).or_less(best);
+            best = (even - odd).min_or_other(best);
             time = if even + odd < best { u } else { time };
-            best = (even + odd).or_less(best);
+            best = (even + odd).min_or_other(best);
             i += 1;
         }
         time
@@ -182,7 +182,9 @@ impl DeflatedRemainder {
             let v = u * u;
             let slope = (t1 + u * (2.0 * t2)) + v * ((3.0 * t3 + u * (4.0 * t4)) + v * (5.0 * t5));
             let slope_change = (2.0 * t2 + u * (6.0 * t3)) + v * (12.0 * t4 + u * (20.0 * t5));
-            let next = (u - slope / slope_change).or_less(1.0).or_more(-1.0);
+            let next = (u - slope / slope_change)
+                .min_or_other(1.0)
+                .max_or_other(-1.0);
             u = if slope_change > 0.0 { next } else { u };
             step += 1;
         }
@@ -245,12 +247,12 @@ fn least_of_quarters(k: [f32; 6]) -> f32 {
     let (low, high) = split(k, 0.5);
     let (a, b) = split(low, 0.5);
     let (c, d) = split(high, 0.5);
-    (least(a).or_less(least(b))).or_less(least(c).or_less(least(d)))
+    (least(a).min_or_other(least(b))).min_or_other(least(c).min_or_other(least(d)))
 }
 
 #[inline(always)]
 fn least(k: [f32; 6]) -> f32 {
-    (k[0].or_less(k[1]))
-        .or_less(k[2].or_less(k[3]))
-        .or_less(k[4].or_less(k[5]))
+    (k[0].min_or_other(k[1]))
+        .min_or_other(k[2].min_or_other(k[3]))
+        .min_or_other(k[4].min_or_other(k[5]))
 }

@@ -21,10 +21,10 @@ use crate::simd::{InstructionSet, for_each_instruction_set};
 pub(super) fn screen_halves<R: Real>(points: ControlPoints<R>, inner: R, outer: R) -> Verdict {
     let (coefficients, size) = squared_distance(points);
     let (left, right) = halves(coefficients);
-    let nearest = left[0].or_less(left[6]).or_less(right[6]);
+    let nearest = left[0].min_or_other(left[6]).min_or_other(right[6]);
     let lowest = least_inside(left)
-        .or_less(least_inside(right))
-        .or_less(nearest);
+        .min_or_other(least_inside(right))
+        .min_or_other(nearest);
     verdict(lowest, nearest, inner, outer, 16.0, size)
 }
 
@@ -36,8 +36,8 @@ pub(super) fn screen_eighths<R: Real>(points: ControlPoints<R>, inner: R, outer:
     let (low_a, near_a) = quarters(left);
     let (low_b, near_b) = quarters(right);
     verdict(
-        low_a.or_less(low_b),
-        near_a.or_less(near_b),
+        low_a.min_or_other(low_b),
+        near_a.min_or_other(near_b),
         inner,
         outer,
         32.0,
@@ -51,12 +51,15 @@ fn quarters<R: Real>(coefficients: [R; 7]) -> (R, R) {
     let (left, right) = halves(coefficients);
     let (a, b) = halves(left);
     let (c, d) = halves(right);
-    let inside_a = least_inside(a).or_less(least_inside(b));
-    let inside_b = least_inside(c).or_less(least_inside(d));
-    let nearest = (a[0].or_less(a[6]))
-        .or_less(b[6].or_less(c[6]))
-        .or_less(d[6]);
-    (inside_a.or_less(inside_b).or_less(nearest), nearest)
+    let inside_a = least_inside(a).min_or_other(least_inside(b));
+    let inside_b = least_inside(c).min_or_other(least_inside(d));
+    let nearest = (a[0].min_or_other(a[6]))
+        .min_or_other(b[6].min_or_other(c[6]))
+        .min_or_other(d[6]);
+    (
+        inside_a.min_or_other(inside_b).min_or_other(nearest),
+        nearest,
+    )
 }
 
 /// Decides by the least coefficient and the least value of the squared distance.
@@ -100,7 +103,7 @@ fn squared_distance<R: Real>(points: ControlPoints<R>) -> ([R; 7], R) {
 /// Returns the least coefficient that is not a value at an end.
 #[inline(always)]
 fn least_inside<R: Real>(k: [R; 7]) -> R {
-    ((k[1].or_less(k[2])).or_less(k[3])).or_less(k[4].or_less(k[5]))
+    ((k[1].min_or_other(k[2])).min_or_other(k[3])).min_or_other(k[4].min_or_other(k[5]))
 }
 
 /// Returns the Bernstein coefficients on the two halves of the interval.

@@ -114,16 +114,16 @@ impl BezierPoints {
     /// [`Error::OutOfRange`].
     fn segment(&self, interval: [f64; 2], knot: usize) -> Result<Segment, Error> {
         let (mut origin, mut control_points) = (DVec3::ZERO, [DVec3::ZERO; 3]);
-        // Losses by rounding: of the origin, then of the ways from it.
+        // Losses by rounding: of the origin, then of the displacements from it.
         let mut lost = [DVec3::ZERO; 4];
         for (axis, [first, others @ ..]) in self.points.into_iter().enumerate() {
             [origin[axis], lost[0][axis]] = first.parts();
             for (place, point) in others.into_iter().enumerate() {
-                let way = point + first.negated();
-                [control_points[place][axis], lost[place + 1][axis]] = way.parts();
+                let displacement = point + first.negated();
+                [control_points[place][axis], lost[place + 1][axis]] = displacement.parts();
             }
         }
-        // The ways themselves have an error of 3 u², far below 2^-100.
+        // The displacements themselves have an error of 3 u², far below 2^-100.
         let of_ways = largest_norm(&lost[1..]) + 2f64.powi(-100) * largest_norm(&control_points);
         let error = (norm(lost[0]) + of_ways + self.error) * (1.0 + 16.0 * UNIT_ROUNDOFF);
         Segment::from_control_points(interval.into(), origin, control_points, error, knot)

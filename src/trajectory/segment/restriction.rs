@@ -46,12 +46,12 @@ impl Segment {
         let duration = self.end - self.start;
         let (a, b) = ((from - self.start) / duration, (to - self.start) / duration);
         let linear = 3.0 * self.control_points[0];
-        let lengths = a.abs().max(b.abs());
-        let size = self.extent * lengths;
+        let durations = a.abs().max(b.abs());
+        let size = self.extent * durations;
         Restriction {
             points: [a + a + a, a + a + b, a + b + b, b + b + b].map(|sum| linear * (sum / 3.0)),
             // The error of any cubic: the extent is the length of the linear coefficient.
-            error: self.grown_error(lengths, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+            error: self.grown_error(durations, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
 
@@ -80,14 +80,14 @@ impl Segment {
                 + quadratic * ((x * y + y * z + z * x) / 3.0)
                 + cubic * (x * y * z)
         };
-        let lengths = a.abs().max(b.abs());
-        let size = norm(linear) * lengths
-            + norm(quadratic) * lengths * lengths
-            + norm(cubic) * lengths * lengths * lengths;
+        let durations = a.abs().max(b.abs());
+        let size = norm(linear) * durations
+            + norm(quadratic) * durations * durations
+            + norm(cubic) * durations * durations * durations;
         Restriction {
             points: [at(a, a, a), at(a, a, b), at(a, b, b), at(b, b, b)],
             // The blossom: at most 12 roundings of each term.
-            error: self.grown_error(lengths, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
+            error: self.grown_error(durations, size) + 12.0 * UNIT_ROUNDOFF * size + UNDERFLOW,
         }
     }
 
@@ -98,45 +98,47 @@ impl Segment {
         let (size, error) = if self.covers(from, to) {
             (self.extent, self.error())
         } else {
-            let lengths = self.lengths_to(from, to);
+            let durations = self.durations_to(from, to);
             let size = if self.is_curved() {
                 let [linear, quadratic, cubic] = self.powers().map(|c| c.abs().element_sum());
-                lengths * (linear + lengths * (quadratic + lengths * cubic))
+                durations * (linear + durations * (quadratic + durations * cubic))
             } else if self.is_power_form() {
-                self.extent * lengths.max(1.0)
+                self.extent * durations.max(1.0)
             } else {
-                self.extent * (1.0 + 2.0 * lengths).powi(3)
+                self.extent * (1.0 + 2.0 * durations).powi(3)
             };
-            (size, self.grown_error(lengths, size))
+            (size, self.grown_error(durations, size))
         };
         size + error / (16.0 * UNIT_ROUNDOFF)
     }
 
     /// Returns the distance that an interval reaches from the start, in durations of the segment.
-    pub(crate) fn lengths_to(&self, from: f64, to: f64) -> f64 {
+    pub(crate) fn durations_to(&self, from: f64, to: f64) -> f64 {
         let duration = self.end - self.start;
         ((from - self.start).abs().max((to - self.start).abs())) / duration
     }
 
-    /// Returns a bound on the segment's own error within `lengths` durations of its start, m;
+    /// Returns a bound on the segment's own error within `durations` durations of its start, m;
     /// `size` (m) bounds the terms of its power form there.
     ///
     /// In [power form](Self::is_power_form) each coefficient's error is proportional to itself: see
     /// [`end_cubic`](mod@crate::trajectory::end_cubic). Otherwise a control point's error (its own, and at most 4
     /// roundings of the extent from forming the power coefficients) grows like the sum of the
-    /// Bernstein weights: (1 + 2 lengths)³.
-    fn grown_error(&self, lengths: f64, size: f64) -> f64 {
-        let growth = 1.0 + 2.0 * lengths;
+    /// Bernstein weights: (1 + 2 durations)³.
+    fn grown_error(&self, durations: f64, size: f64) -> f64 {
+        let growth = 1.0 + 2.0 * durations;
         if !self.is_power_form() {
             let points = self.error + 4.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW;
             points * growth.powi(3)
         } else if self.error() > 0.0 {
-            let (coarse, growth) = if self.is_curved() {
-                (1.0 + 64.0 * UNIT_ROUNDOFF * lengths, growth.powi(3))
+            let (rounding_growth, growth) = if self.is_curved() {
+                (1.0 + 64.0 * UNIT_ROUNDOFF * durations, growth.powi(3))
             } else {
                 (1.0, growth)
             };
-            self.error() + 20.0 * UNIT_ROUNDOFF * size * coarse * coarse + UNDERFLOW * growth
+            self.error()
+                + 20.0 * UNIT_ROUNDOFF * size * rounding_growth * rounding_growth
+                + UNDERFLOW * growth
         } else {
             0.0
         }
@@ -153,11 +155,11 @@ impl Segment {
         knot: usize,
     ) -> Result<(), Error> {
         /// Largest distance in time, in segment durations: its third power must stay in range.
-        const MAX_LENGTHS: f64 = 1e100;
+        const MAX_DURATIONS: f64 = 1e100;
         /// Upper bound of cut times, s: the last cut may lie some times farther than the window's end.
         const FARTHEST: f64 = 10.0 * MAX_MAGNITUDE;
         let farthest = from.abs().max(to.abs());
-        if self.lengths_to(from, to) > MAX_LENGTHS || farthest > FARTHEST {
+        if self.durations_to(from, to) > MAX_DURATIONS || farthest > FARTHEST {
             let far = (from - self.start).abs() > (to - self.start).abs();
             let time = if far { from } else { to };
             return Err(Error::TooFar { knot, time });

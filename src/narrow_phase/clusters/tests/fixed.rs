@@ -6,7 +6,7 @@ use super::super::super::certified::{
 use super::super::super::contact::{
     ClosestSearch, closest_approach, contacts, contacts_of, join, solve,
 };
-use super::super::super::profile::{DistanceProfile, NEVER};
+use super::super::super::profile::{DistanceProfile, NO_CONTACT};
 use super::super::super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
 use crate::hitbox::{Hitbox, Sphere};
@@ -217,7 +217,7 @@ fn contacts_are_those_of_all_pairs() {
                     &profile,
                     span,
                     case.band().outer,
-                    (window, NEVER),
+                    (window, NO_CONTACT),
                     &mut expected,
                 );
             });
@@ -266,7 +266,7 @@ fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
                         &DistanceProfile::of(&pair.cubic),
                         span,
                         margin,
-                        (window, NEVER),
+                        (window, NO_CONTACT),
                         &mut expected,
                     );
                 });
@@ -404,7 +404,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 &profile,
                 span,
                 case.band().outer,
-                (case.window, NEVER),
+                (case.window, NO_CONTACT),
                 &mut found,
             );
             instants.extend(
@@ -442,7 +442,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                     &DistanceProfile::of(&pair.cubic),
                     span,
                     case.band().outer,
-                    (window, NEVER),
+                    (window, NO_CONTACT),
                     &mut expected,
                 );
             });

@@ -68,8 +68,8 @@ fn assert_ends(plan: &Trajectory, first: &[Exact; 4], last: &[Exact; 4]) {
     let knots = [intervals[0].0, intervals[1].1];
     for place in [0, 1] {
         let (exact, interval, motion) = ([first, last][place], intervals[place], motions[place]);
-        for lengths in [0.5, 2.5] {
-            let way = [-1.0, 1.0][place] * lengths * (interval.1 - interval.0);
+        for durations in [0.5, 2.5] {
+            let way = [-1.0, 1.0][place] * durations * (interval.1 - interval.0);
             let far = knots[place] + way;
             let ends = [knots[place].min(far), knots[place].max(far)];
             let shares = ends.map(|time| share(time, interval));
