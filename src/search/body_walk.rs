@@ -228,3 +228,35 @@ impl<'a, C: BoundingCubic, const MOVES: bool, const UNLISTED: bool>
         number
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn the_first_cubic_is_found_from_any_guess() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for round in 0..2_000 {
+            let count = [2, 3, 9, 40, 300][round % 5];
+            // Evenly spread, or nearly all at one end.
+            let power = [1, 4][round % 2];
+            let mut times: Vec<f64> = (0..count)
+                .map(|_| rng.random_range(-1.0_f64..1.0).powi(power))
+                .collect();
+            times.sort_unstable_by(f64::total_cmp);
+            times.dedup();
+            let knots = Knots::of(&times);
+            let between = rng.random_range(-1.5..1.5);
+            for time in [times[rng.random_range(0..times.len())], between] {
+                let before = times.partition_point(|&knot| knot < time);
+                let far = [0, rng.random_range(0..400), u32::MAX];
+                for guess in far.into_iter().chain([likely_cubic(&knots, time)]) {
+                    let found = cubic_before(&knots, time, guess);
+                    assert_eq!(found, before.max(1) - 1, "{time} {guess} {times:?}");
+                }
+            }
+        }
+    }
+}
