@@ -351,3 +351,36 @@ fn a_body_told_to_rest_where_it_rests() {
         assert_eq!(monitor.stats().changed, changed);
     }
 }
+
+/// So many bodies, and some that are gone, that threads share them.
+#[test]
+fn threads_share_the_bodies_that_are_told() {
+    const COUNT: u64 = 12_000;
+    let mut rng = rng(461);
+    let (mut scene, mut ids) = any_scene(&mut rng, COUNT);
+    for _ in 0..COUNT / 50 {
+        let id = ids.swap_remove(rng.random_range(0..ids.len()));
+        scene.remove(id).unwrap();
+    }
+    let mut shared = scene.clone();
+    for share in [0.9, 0.5, 1.0] {
+        let mut states = Vec::new();
+        for &id in &ids {
+            if rng.random_bool(share) {
+                states.push((id, any_state(&mut rng, 1.0)));
+            }
+        }
+        // The last ones of some count.
+        for _ in 0..COUNT / 2 {
+            let (id, _) = states[rng.random_range(0..states.len())];
+            states.push((id, any_state(&mut rng, 1.0)));
+        }
+        on_threads(1, || scene.update(states.iter().copied()).unwrap());
+        on_threads(2, || shared.update(states.iter().copied()).unwrap());
+        assert_eq!(scene.bodies().count(), ids.len());
+        for ((id, body), (other_id, other)) in scene.bodies().zip(shared.bodies()) {
+            assert_eq!((id, &body.trajectory), (other_id, &other.trajectory));
+        }
+        assert_eq!(scene.clone().planned(), shared.clone().planned());
+    }
+}

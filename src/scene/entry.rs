@@ -168,10 +168,20 @@ impl SceneEntry {
     /// Gives the body a straight motion.
     #[inline]
     pub(super) fn follow_straight(&mut self, motion: &StraightMotion, arena: &mut CubicArena) {
-        if self.body.trajectory.straight_motions().is_empty() {
+        if !self.replace_straight(motion) {
             self.forget_summary(arena);
+            self.body.trajectory = Trajectory::of_straight(*motion);
         }
-        self.body.trajectory = Trajectory::of_straight(*motion);
+    }
+
+    /// Gives the body a straight motion if it follows one. Returns false, and does nothing, if it follows a plan.
+    #[inline]
+    pub(super) fn replace_straight(&mut self, motion: &StraightMotion) -> bool {
+        let is_straight = !self.body.trajectory.straight_motions().is_empty();
+        if is_straight {
+            self.body.trajectory = Trajectory::of_straight(*motion);
+        }
+        is_straight
     }
 
     /// Replaces the motion in place: see [`Trajectory::replace`].

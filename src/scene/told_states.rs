@@ -10,7 +10,7 @@ pub(super) struct ToldStates {
     pub(super) motions: Vec<(BodyId, StraightMotion)>,
     /// Spins, in the order of the motions, and the place of each one's motion there.
     pub(super) spins: Vec<(usize, ToldSpin)>,
-    /// Place in `motions` of the last one of each slot, valid for those told in this call; known if there are spins.
+    /// Place in `motions` of the last one of each slot, valid for those told in this call once it was [found](Self::find_last).
     last_of: Vec<usize>,
 }
 
@@ -25,6 +25,14 @@ impl ToldStates {
         if self.spins.is_empty() {
             return;
         }
+        self.find_last();
+        let (motions, last_of) = (&self.motions, &self.last_of);
+        self.spins
+            .retain(|(place, _)| last_of[motions[*place].0.slot as usize] == *place);
+    }
+
+    /// Finds the last motion of each slot.
+    pub(super) fn find_last(&mut self) {
         for (place, (id, _)) in self.motions.iter().enumerate() {
             let slot = id.slot as usize;
             if self.last_of.len() <= slot {
@@ -32,8 +40,11 @@ impl ToldStates {
             }
             self.last_of[slot] = place;
         }
-        let (motions, last_of) = (&self.motions, &self.last_of);
-        self.spins
-            .retain(|(place, _)| last_of[motions[*place].0.slot as usize] == *place);
+    }
+
+    /// Returns the motion that the body in a slot was told last, once they were [found](Self::find_last).
+    pub(super) fn last(&self, slot: usize) -> Option<&StraightMotion> {
+        let (id, motion) = self.motions.get(*self.last_of.get(slot)?)?;
+        (id.slot as usize == slot).then_some(motion)
     }
 }

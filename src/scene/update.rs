@@ -5,6 +5,7 @@ use super::told_states::ToldStates;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::orientation::ToldSpin;
+use crate::parallel;
 use crate::trajectory::{State, StraightMotion, Trajectory};
 use glam::{DQuat, DVec3};
 
@@ -99,8 +100,8 @@ impl Scene {
     /// without a spin. A state replaces the body's trajectory also where both are the same motion: its time is then the
     /// only knot. ([`Monitor::track`](crate::Monitor::track) leaves such a body as it is.)
     ///
-    /// In steady state nothing is allocated: a body that had another trajectory of one state, and another orientation,
-    /// takes no memory for the new ones.
+    /// In steady state nothing is allocated on one thread: a body that had another trajectory of one state, and another
+    /// orientation, takes no memory for the new ones. Several threads share lists that are made anew.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -149,18 +150,11 @@ impl Scene {
             }
         }
         if checked.is_ok() {
-            /// Bodies that are fetched ahead.
-            const AHEAD: usize = 8;
             told.keep_last_spins();
-            for (place, (id, motion)) in told.motions.iter().enumerate() {
-                if let Some((later, _)) = told.motions.get(place + AHEAD) {
-                    self.prefetch(later.slot);
-                }
-                // It was found above.
-                let slot = self.slots.get_mut(id.slot as usize);
-                if let Some(entry) = slot.and_then(|slot| slot.entry.as_mut()) {
-                    entry.follow_straight(motion, &mut self.arena);
-                }
+            if parallel::threads() > 1 && 2 * told.motions.len() > self.slots.len().max(Self::FEW) {
+                self.follow_shared(&mut told);
+            } else {
+                self.follow_each(&told);
             }
             for (place, spin) in &told.spins {
                 let slot = self.slots.get_mut(told.motions[*place].0.slot as usize);
@@ -172,6 +166,52 @@ impl Scene {
         }
         self.told = told;
         checked
+    }
+
+    /// Twice as many bodies are told on one thread.
+    const FEW: usize = 16_384;
+
+    /// Gives the bodies their motions, in the order in which they were told.
+    fn follow_each(&mut self, told: &ToldStates) {
+        /// Bodies that are fetched ahead.
+        const AHEAD: usize = 8;
+        for (place, (id, motion)) in told.motions.iter().enumerate() {
+            if let Some((later, _)) = told.motions.get(place + AHEAD) {
+                self.prefetch(later.slot);
+            }
+            // It was found before.
+            let slot = self.slots.get_mut(id.slot as usize);
+            if let Some(entry) = slot.and_then(|slot| slot.entry.as_mut()) {
+                entry.follow_straight(motion, &mut self.arena);
+            }
+        }
+    }
+
+    /// Gives the bodies their motions on several threads, in the order of their slots.
+    fn follow_shared(&mut self, told: &mut ToldStates) {
+        /// Slots that one thread goes through together.
+        const CHUNK: usize = 1024;
+        told.find_last();
+        let told = &*told;
+        let slots = self.slots.chunks_mut(CHUNK);
+        let mut chunks: Vec<_> = slots.map(|slots| (slots, Vec::new())).collect();
+        parallel::for_each(&mut chunks, |number, (slots, others)| {
+            for (place, slot) in slots.iter_mut().enumerate() {
+                let place = number * CHUNK + place;
+                if let (Some(motion), Some(entry)) = (told.last(place), &mut slot.entry)
+                    && !entry.replace_straight(motion)
+                {
+                    others.push(place);
+                }
+            }
+        });
+        // Plans give back their memory, one after another.
+        let others: Vec<usize> = chunks.into_iter().flat_map(|(_, others)| others).collect();
+        for place in others {
+            if let (Some(motion), Some(entry)) = (told.last(place), &mut self.slots[place].entry) {
+                entry.follow_straight(motion, &mut self.arena);
+            }
+        }
     }
 
     /// Notes the motion and the spin of a state.
