@@ -63,7 +63,9 @@ impl SphereCover {
     /// a mesh is where its surface winds around. A convex polyhedron is the hull of all its points, also of those that
     /// parry3d leaves out of its faces.
     ///
-    /// A shape and options lead to the same bits on any number of threads.
+    /// A shape and options lead to the same bits on any number of threads. By default the search takes up to two seconds
+    /// for 16 spheres, up to about five for 64, on two cores (`cargo run --release --example cover`): fit a shape once,
+    /// and store the cover.
     ///
     /// # Errors
     ///
