@@ -19,6 +19,8 @@ pub(crate) struct SearchScratch {
     /// Numbers of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,
     pub(crate) block: SliceBlock,
+    /// A tried slice of a sample of the bodies. (In the block its shorter lists would have to be filled again.)
+    pub(crate) tried: SliceBlock,
     pub(crate) candidates: Vec<Candidate>,
     /// Number of candidates of each slice.
     pub(crate) counts: Vec<usize>,

@@ -346,7 +346,7 @@ impl SliceTrials<'_> {
         let mut scratch = self.pool.take();
         let SearchScratch {
             present,
-            block,
+            tried,
             methods,
             candidates,
             ends,
@@ -360,13 +360,13 @@ impl SliceTrials<'_> {
             lifetimes.list(slices.interval(first), present);
             slices.ends(first..first + 1, ends);
             self.instructions.run(FormBounds {
-                block: &mut *block,
+                block: &mut *tried,
                 frame: self.frame,
                 sources,
                 present: &*present,
                 ends: &*ends,
             });
-            let slice = &block.slices[0];
+            let slice = &tried.slices[0];
             candidates.clear();
             let room = CandidateLimit::new(filter, MAX_CANDIDATES);
             let method = (Method::Sweep, self.instructions);
