@@ -59,12 +59,11 @@ impl<'a, C: BoundingCubic> CubicSource<'a, C> {
         }
     }
 
-    /// Returns the straight motions and the knots between them, if nothing else is followed between two instants
-    /// (s).
+    /// Returns the straight motions and the knots between them, if nothing else is followed from an instant (s) on.
     #[inline(always)]
-    pub(crate) fn straight_over(&self, interval: (f64, f64)) -> Option<StraightPieces<'a>> {
+    pub(crate) fn straight_from(&self, from: f64) -> Option<StraightPieces<'a>> {
         let plan = (self.knots.plan()?, self.knots.before());
-        StraightPieces::placed(plan, interval, || self.placement)
+        StraightPieces::placed(plan, from, || self.placement)
     }
 
     /// Prefetches a cubic, given its number among those of the plan.

@@ -22,10 +22,10 @@ impl StraightPart {
     #[inline(always)]
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
         // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
-        // with the offset. The solver's error, of at most 36, is held more than twice, as that of any cubic is; it is relative
-        // to the way over a whole piece, which ends after the motion's duration or, later, after up to twice the time since its
-        // state.
-        const ERROR: f64 = 24.0 * UNIT_ROUNDOFF / ROUNDING as f64;
+        // with the offset. The solver's error, of at most 36, is relative to the displacement over a whole piece. That ends
+        // after the motion's duration or, later, after up to three times that since its state: its error is held once and a
+        // third, and that of the first piece four times.
+        const ERROR: f64 = 36.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let [origin, velocity] = motion.numbers();
         let DVec3 { x, y, z } = frame.origin;
         let middle = [x, y, z, 0.0];

@@ -37,13 +37,13 @@ impl SourcesInPlace for BodyTable<'_> {
     type Cubic = Segment;
 
     #[inline(always)]
-    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>> {
+    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>> {
         let (monitored, body) = self.monitored.with_body(self.scene, body)?;
         if !monitored.has_partner {
             return None;
         }
         let bounds = (&monitored.padding, &*self.grid.frame);
-        StraightPieces::over(&body.trajectory, monitored.before(), interval, bounds)
+        StraightPieces::over(&body.trajectory, monitored.before(), from, bounds)
     }
 
     /// Without a partner: that of a body that never exists.

@@ -23,7 +23,7 @@ pub enum Budget {
     ///   many times in the lookahead.
     /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
     ///   searched in parts.
-    /// - A search that cannot be left to the next tick: where more than three quarters of the bodies change in each
+    /// - A search that cannot be left to the next tick: where [many bodies](crate::Monitor#cost) change in each
     ///   tick, or the known time has long been behind the clock while bodies change. Then the tick searches as much of
     ///   the lookahead as earlier ticks had time for, and a 16th at least, whatever time that takes.
     ///
@@ -31,8 +31,9 @@ pub enum Budget {
     /// second one.
     ///
     /// So [`complete_until`](crate::Monitor::complete_until) goes on with the clock: with too little time less is known
-    /// ahead. Where most bodies change in each tick it stays beyond the clock. Where some change, it may be behind the
-    /// clock for 32 ticks that hardly gain on it, and then no longer, until all of the lookahead is known within a budget.
+    /// ahead. Where many bodies change in each tick it stays beyond the clock. Where some change, it may be behind the
+    /// clock for 32 ticks that hardly gain on it, and then no longer, until all of the lookahead is known within a budget;
+    /// then the same may happen again.
     Time(Duration),
     /// Counted work: boxes formed, candidates examined, and one for each step. It is the same on every
     /// machine and in every run. A tick exceeds it as it does a time where bodies change. With 0 a monitor whose bodies do

@@ -8,7 +8,7 @@
 //! change: see [`share_due_ahead`].)
 //!
 //! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
-//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If most bodies have changed, all of
+//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If many bodies have changed, all of
 //! the lookahead is, and slices have no boxes until few bodies change. A slice in which too many boxes overlap is, in
 //! shorter slices.
 
@@ -239,13 +239,14 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
-        let changed = (self.changed.slots().len(), self.monitored.len());
+        let changed = (self.has_changed(), self.have_many_changed(scene, lookahead));
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
         let clock_slice = self.start(self.index(lookahead.0));
         self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
+        let mut is_begun = false;
         loop {
             self.survivors.clear();
             let mut known = to;
@@ -258,7 +259,9 @@ impl LookaheadSearch {
                 known = self.half_spaces.list_spans(&bodies, times, work, found)?;
                 work.stats.narrow_time += begin.elapsed();
             }
-            let (compared_until, is_done) = self.search_slices((from, clock_slice, to), work)?;
+            let (compared_until, is_done) =
+                self.search_slices((from, clock_slice, to), is_begun, work)?;
+            is_begun = true;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -282,10 +285,12 @@ impl LookaheadSearch {
 
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `clock_slice` is the
     /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
-    /// which all is up to date, and false if another call is to go on once these survivors are solved.
+    /// which all is up to date, and false if another call is to go on once these survivors are solved: `is_begun` says that
+    /// it does.
     fn search_slices(
         &mut self,
         (mut from, clock_slice, to): (f64, f64, f64),
+        is_begun: bool,
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
@@ -299,7 +304,8 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if self.is_unknown_again(needed) && !work.meter.may_stop() {
+        let scene = work.admission.scene;
+        if !is_begun && self.is_unknown_again(scene, (from, to), needed) && !work.meter.may_stop() {
             self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
                 self.last_end = to;

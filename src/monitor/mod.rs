@@ -95,10 +95,12 @@ use told_motions::ToldMotions;
 /// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
 /// first one.
 ///
-/// Where more than three quarters of the bodies change before a tick, and did so within the eight ticks before, the tick
-/// screens its lookahead as a whole, or as much of it as a [budget](Budget) allows. Without a budget, so does each of
-/// the next eight ticks before which any body changes. A later one takes longer, once: it forms the boxes of all
-/// bodies, and changed ones are compared with these from then on.
+/// Where many bodies change before a tick, and did so within the eight ticks before, the tick screens its lookahead as a
+/// whole, or as much of it as a [budget](Budget) allows. Many are so many that this takes less time than comparing
+/// them with the kept boxes of all bodies: about one in twelve where a screening of the lookahead takes one slice, as of balls
+/// told each frame, three quarters where it takes many. Without a budget, so does each of the next eight ticks before
+/// which any body changes. A later one takes longer, once: it forms the boxes of all bodies, and changed ones are
+/// compared with these from then on.
 ///
 /// # Threads
 ///

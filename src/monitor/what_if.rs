@@ -30,7 +30,7 @@ impl Monitor {
     ///
     /// [`what_if_body`](Self::what_if_body) asks about a body that is not there yet.
     ///
-    /// A question takes some microseconds. After a tick in which most bodies changed, the first one forms boxes of all
+    /// A question about a ball takes some microseconds, one about a turning cluster a hundred. After a tick in which [many bodies](Self#cost) changed, the first one forms boxes of all
     /// bodies: it takes about two thirds of such a tick.
     ///
     /// # Errors

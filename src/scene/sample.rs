@@ -1,6 +1,7 @@
 //! A sample of a scene's bodies, and their common velocity.
 
 use super::{Scene, SceneEntry};
+use crate::count::as_f64;
 use glam::DVec3;
 
 impl Scene {
@@ -23,6 +24,20 @@ impl Scene {
             let domain = entry.body.trajectory.domain();
             self.partners(0.0).has(&entry.body) && domain.start() <= to && domain.end() >= from
         })
+    }
+
+    /// Returns the mean number of cubics that a body has in a list of its plan within a time (s), told by some of the bodies.
+    pub(crate) fn cubics_of_a_plan(&self, (from, to): (f64, f64)) -> f64 {
+        let (mut cubics, mut count) = (0.0, 0.0);
+        for entry in self.sample((from, to)) {
+            let plan = &entry.body.trajectory;
+            if let [first, .., last] = *plan.piece_knots() {
+                let within = (to.min(last) - from.max(first)).max(0.0);
+                cubics += as_f64(plan.cubics().len()) * (within / (last - first));
+            }
+            count += 1.0;
+        }
+        cubics / f64::max(count, 1.0)
     }
 
     /// Returns the common velocity (m/s) of most bodies within a time (s): the median of their mean

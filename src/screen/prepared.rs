@@ -211,12 +211,12 @@ impl SourcesInPlace for BodiesInPlace<'_> {
     type Cubic = CompactCubic;
 
     #[inline(always)]
-    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>> {
+    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>> {
         let (place, frame): (usize, &Frame) = (body as usize, &self.0.frame);
         let (body, extension) = (&self.0.entries[place].body, self.0.extension(place));
         let before = extension.map_or(0, |extension| extension.before as usize);
         let padding = Padding::of(body.shape(), self.0.margin, frame);
-        StraightPieces::over(&body.trajectory, before, interval, (&padding, frame))
+        StraightPieces::over(&body.trajectory, before, from, (&padding, frame))
     }
 
     #[inline(always)]

@@ -33,7 +33,7 @@ pub(super) fn walk<'a, C: BoundingCubic, const MOVES: bool>(
     if !exists(source, slice_intervals) {
         return None;
     }
-    if let Some(pieces) = source.straight_over(ends_of(slice_intervals)) {
+    if let Some(pieces) = source.straight_from(slice_intervals[0].from) {
         for (slice, slice_interval) in slice_intervals.iter().enumerate() {
             put(slice, pieces.bounds(slice_interval));
         }

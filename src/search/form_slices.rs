@@ -1,7 +1,7 @@
 //! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
 //! memory, just before they are used.
 
-use super::body_walk::{MAX_SLICES, cubic_before, ends_of, likely_cubic, slice_intervals_of, walk};
+use super::body_walk::{MAX_SLICES, cubic_before, likely_cubic, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
     BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
@@ -16,8 +16,8 @@ use parry3d::bounding_volume::Aabb;
 pub(crate) trait SourcesInPlace: Sync {
     type Cubic: BoundingCubic;
 
-    /// Returns the straight motions of a body, if it follows nothing else between two instants (s).
-    fn straight(&self, body: u32, interval: (f64, f64)) -> Option<StraightPieces<'_>>;
+    /// Returns the straight motions of a body, if it follows nothing else from an instant (s) on.
+    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>>;
 
     /// Returns the source of a body's boxes.
     fn source(&self, body: u32) -> CubicSource<'_, Self::Cubic>;
@@ -69,7 +69,7 @@ impl SlicesToForm<'_> {
         for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
             slice.split_teleports(|body| {
                 let interval = (ends[0], ends[1]);
-                let pieces = bodies.straight(body, interval)?;
+                let pieces = bodies.straight(body, ends[0])?;
                 pieces.bounds_by_teleport(self.frame, interval)
             });
         }
@@ -197,7 +197,7 @@ where
                 self.bodies.fetch_motion(later);
             }
             let put = &mut |slice: usize, bounds| (self.put)((number, body), slice, bounds);
-            if let Some(pieces) = self.bodies.straight(body, ends_of(slice_intervals)) {
+            if let Some(pieces) = self.bodies.straight(body, slice_intervals[0].from) {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
                     put(slice, pieces.bounds(slice_interval));
                 }

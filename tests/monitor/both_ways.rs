@@ -30,7 +30,7 @@ fn body(rng: &mut ChaCha8Rng, now: f64) -> Body {
 }
 
 /// Number of bodies that are parked far from all others.
-const PARKED: u32 = 240;
+const PARKED: u32 = 1_200;
 
 /// Returns the trajectory of a parked body.
 fn parked(rng: &mut ChaCha8Rng, number: u32) -> Trajectory {

@@ -419,7 +419,7 @@ fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the
         formed >= (slices - 2) * 200 * 120 / 180,
         "{formed} {slices}"
     );
-    let (busy, slices) = boxes_formed(0.5);
+    let (busy, slices) = boxes_formed(0.3);
     let (changed, boxes) = busy
         .iter()
         .fold((0, 0), |sum, tick| (sum.0 + tick.0, sum.1 + tick.1));

@@ -171,13 +171,15 @@ fn questions_between_ticks_in_which_all_bodies_are_told() {
     assert!(found > 500, "{found}");
 }
 
-/// Half of the bodies are told in each tick, or all in every other one. A monitor that falls behind for long knows
-/// less ahead, too, and is not behind any more.
+/// Some of the bodies are told in each tick, or half of them, or all in every other one. A monitor that falls behind for long
+/// knows less ahead, too, and is not behind any more.
 #[test]
 fn a_monitor_does_not_stay_behind_the_clock() {
+    let some = |tick: u32, number: usize| number % 20 == tick as usize % 20;
     let half = |tick: u32, number: usize| number % 2 == tick as usize % 2;
     let in_turns = |tick: u32, _: usize| tick.is_multiple_of(2);
-    let patterns: [(&dyn Fn(u32, usize) -> bool, _); 2] = [(&half, 21..40), (&in_turns, 0..4)];
+    let patterns: [(&dyn Fn(u32, usize) -> bool, _); 3] =
+        [(&some, 21..40), (&half, 0..4), (&in_turns, 0..4)];
     for (is_told, late_ticks) in patterns {
         for work in [0, 1, 50] {
             let (mut balls, scene) = Balls::new(&mut rng(8), 200);
@@ -269,4 +271,32 @@ fn a_clock_that_stands_still_is_caught_up_with() {
             .unwrap();
     }
     assert!(monitor.complete_until() > monitor.now());
+}
+
+/// Where many bodies are told, the boxes of all take less time than those of the told ones in each slice that is kept.
+#[test]
+fn a_tick_in_which_many_bodies_are_told_forms_as_many_boxes_as_if_all_were() {
+    let boxes_if_told = |one_in: usize| {
+        let (mut balls, scene) = Balls::new(&mut rng(9), 400);
+        let mut monitor = Monitor::new(scene, 0.0, 0.3, &[LEVEL]).unwrap();
+        let boxes = (0..60_u32).map(|tick| {
+            let now = f64::from(tick) * FRAME;
+            balls.step(now);
+            balls.tell(&mut monitor, |number| {
+                number % one_in == tick as usize % one_in
+            });
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            is_as_screened(&monitor, LEVEL);
+            monitor.stats().boxes
+        });
+        boxes.skip(10).collect::<Vec<u64>>()
+    };
+    let all = boxes_if_told(1);
+    for some in [boxes_if_told(2), boxes_if_told(4)] {
+        // Some are not where they were going: they have two boxes.
+        let as_all = |(some, all): (&u64, &u64)| some.abs_diff(*all) < 40;
+        assert!(some.iter().zip(&all).all(as_all), "{some:?} {all:?}");
+    }
+    let few: u64 = boxes_if_told(50).iter().sum();
+    assert!(2 * few < all.iter().sum(), "{few} {all:?}");
 }

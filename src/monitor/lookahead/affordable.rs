@@ -2,9 +2,8 @@
 //! search less of the lookahead instead.
 
 use super::super::budget::BudgetMeter;
-use crate::count::are_most;
 
-/// Number of ticks within which most bodies change again where kept boxes do not pay.
+/// Number of ticks within which many bodies change again where kept boxes do not pay.
 pub(super) const FEW_TICKS: u32 = 8;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
@@ -14,8 +13,8 @@ pub(in crate::monitor) struct AffordableLookahead {
     share: f64,
     /// True if something has changed at this tick.
     has_changed: bool,
-    /// Ticks since most bodies had changed.
-    since_most_changed: u32,
+    /// Ticks since many bodies had changed.
+    since_many_changed: u32,
     /// True if the last tick at which something had changed had to finish its search.
     had_to_finish: bool,
     /// Ticks whose known time was behind the clock and hardly gained on it, since all was known.
@@ -35,31 +34,32 @@ impl AffordableLookahead {
         Self {
             share: 1.0,
             has_changed: false,
-            since_most_changed: FEW_TICKS,
+            since_many_changed: FEW_TICKS,
             had_to_finish: false,
             late_ticks: 0,
             last: (now, now),
         }
     }
 
-    /// Returns the instant (s) up to which a tick is to search a lookahead (first and last instant, s), in which so many
-    /// bodies of all have changed. If it cannot leave anything to the next tick, the meter is told to let it finish.
+    /// Returns the instant (s) up to which a tick is to search a lookahead (first and last instant, s). `has_changed` says
+    /// if anything has changed, `have_many_changed` if so many bodies that the search is one from nothing. If the tick cannot
+    /// leave anything to the next one, the meter is told to let it finish.
     pub(super) fn end_of_search(
         &mut self,
         (now, end): (f64, f64),
-        (changed, all): (usize, usize),
+        (has_changed, have_many_changed): (bool, bool),
         meter: &mut BudgetMeter,
     ) -> f64 {
-        self.has_changed = changed > 0;
-        let have_most_changed_again = if are_most(changed, all) {
-            std::mem::take(&mut self.since_most_changed) < FEW_TICKS
+        self.has_changed = has_changed;
+        let have_many_changed_again = if have_many_changed {
+            std::mem::take(&mut self.since_many_changed) < FEW_TICKS
         } else {
-            self.since_most_changed = self.since_most_changed.saturating_add(1);
+            self.since_many_changed = self.since_many_changed.saturating_add(1);
             false
         };
         let is_late = self.late_ticks >= Self::MANY_LATE_TICKS;
         // What has not changed is not searched for again: it can be left to the next tick.
-        let has_to_finish = self.has_changed && (is_late || have_most_changed_again);
+        let has_to_finish = self.has_changed && (is_late || have_many_changed_again);
         if !(has_to_finish && meter.has_limit()) {
             return end;
         }
