@@ -8,6 +8,8 @@
 //! - `frame/told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
 //!   included;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
+//! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
+//! - `frame/told_resting/10k`, one thread: as `told`, and half of the bodies rest;
 //! - `frame/told_and_asked/10k`, one thread: as `told`, and then ten questions by `Monitor::what_if`;
 //! - `frame/told_walls/10k`, one thread: as `told`, within six half-spaces, and with a second alert level of 0 m;
 //! - `frame/told_walls_half/10k`, one thread: the same with a budget for each tick: half of what the median of 41 ticks
@@ -127,6 +129,8 @@ fn main() {
         run.measure(("told", bodies), threads, Told::new);
     }
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
+    run.measure(("told_in_halves", 10_000), 1, Told::in_halves);
+    run.measure(("told_resting", 10_000), 1, Told::half_at_rest);
     run.measure(("told_and_asked", 10_000), 1, Told::with_questions);
     run.measure(("told_walls", 10_000), 1, Told::within_walls);
     run.measure(("told_walls_half", 10_000), 1, Told::with_half_the_time);

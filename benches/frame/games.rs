@@ -68,6 +68,8 @@ pub(crate) struct Told<W> {
     budget: Budget,
     /// Frames from one in which the bodies are told to the next one.
     period: u32,
+    /// True if in each frame one half of the bodies is told, in turns.
+    is_half: bool,
     /// Questions after each frame.
     questions: usize,
     frames: u32,
@@ -85,6 +87,19 @@ impl Told<World> {
             period: 2,
             ..Self::new(bodies)
         }
+    }
+
+    /// Returns a game whose bodies are told in every other frame, half of them in each frame.
+    pub(crate) fn in_halves(bodies: u32) -> Self {
+        Self {
+            is_half: true,
+            ..Self::new(bodies)
+        }
+    }
+
+    /// Returns a game half of whose bodies rest.
+    pub(crate) fn half_at_rest(bodies: u32) -> Self {
+        Self::of(World::half_at_rest(bodies), &[MARGIN])
     }
 
     /// Returns a game that asks ten questions after each frame.
@@ -142,6 +157,7 @@ impl<W: MovingBodies> Told<W> {
             monitor: monitor.unwrap_or_else(|error| panic!("{error}")),
             budget: Budget::Unlimited,
             period: 1,
+            is_half: false,
             questions: 0,
             frames: 0,
             events,
@@ -157,7 +173,13 @@ impl<W: MovingBodies> Game for Told<W> {
         let is_told = self.frames.is_multiple_of(self.period);
         self.frames += 1;
         let states = self.world.states();
-        let told = if is_told { states } else { &[] };
+        let half = states.len() / 2;
+        let told = match (is_told, self.is_half, self.frames % 2) {
+            (false, ..) => &[],
+            (true, false, _) => states,
+            (true, true, 0) => &states[..half],
+            (true, true, _) => &states[half..],
+        };
         let begin = Instant::now();
         let tracked = self.monitor.track(now, told.iter().copied());
         let (monitor, events) = (&mut self.monitor, &mut self.events);

@@ -44,6 +44,16 @@ pub(crate) struct World {
 impl World {
     /// Returns `count` bodies, and a scene in which they coast from time 0 on.
     pub(crate) fn new(count: u32) -> (Self, Scene) {
+        Self::of(count, |_| false)
+    }
+
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`new`](Self::new), of which every other one rests.
+    pub(crate) fn half_at_rest(count: u32) -> (Self, Scene) {
+        Self::of(count, |number| number % 2 > 0)
+    }
+
+    fn of(count: u32, rests: fn(u32) -> bool) -> (Self, Scene) {
         let mut rng = generator(1);
         let half = 0.5 * SPACING * f64::from(count).cbrt();
         let mut scene = Scene::new();
@@ -51,9 +61,10 @@ impl World {
             let body = Body::new(Trajectory::coasting(state)?).with_hitbox(Hitbox::sphere(RADIUS)?);
             scene.insert(body)
         };
-        let states = (0..count).map(|_| {
+        let states = (0..count).map(|number| {
             let position = uniform_vector(&mut rng, half);
-            let state = State::new(0.0, position, uniform_vector(&mut rng, SPEED));
+            let velocity = uniform_vector(&mut rng, SPEED) * f64::from(u8::from(!rests(number)));
+            let state = State::new(0.0, position, velocity);
             let inserted = insert(state);
             let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
             (id, state)
@@ -92,14 +103,14 @@ impl MovingBodies for World {
         &self.states
     }
 
-    /// A body that changes its velocity outside of the cube turns back.
+    /// A body that changes its velocity outside of the cube turns back. One that rests goes on resting.
     fn step(&mut self) {
         self.frame += 1;
         let now = self.now();
         for (_, state) in &mut self.states {
             state.time = now;
             state.position += STEP * state.velocity;
-            if self.rng.random_ratio(1, STEADY) {
+            if state.velocity != DVec3::ZERO && self.rng.random_ratio(1, STEADY) {
                 let velocity = uniform_vector(&mut self.rng, SPEED);
                 let inwards = -velocity.abs() * state.position.signum();
                 let is_outside = state.position.abs().cmpgt(DVec3::splat(self.half));
