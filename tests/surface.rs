@@ -331,3 +331,17 @@ fn positions_of_any_kind() -> Result<(), Error> {
     );
     Ok(())
 }
+
+#[test]
+fn a_long_plan_has_a_short_debug_text() -> Result<(), Error> {
+    let positions: Vec<(f64, [f64; 3])> = (0..500)
+        .map(|time| (f64::from(time), [f64::from(time), 0.0, 0.0]))
+        .collect();
+    let plan = Trajectory::from_positions(&positions)?;
+    let text = format!("{plan:?}");
+    assert_eq!(
+        text,
+        "Trajectory { knots: 500, first: Some(0.0), last: Some(499.0), before: Absent, after: Absent, .. }"
+    );
+    Ok(())
+}

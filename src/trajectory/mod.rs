@@ -42,6 +42,7 @@ use crate::window::Window;
 use glam::DVec3;
 use recent_motions::RecentMotions;
 use segment_lists::SegmentLists;
+use std::fmt;
 use std::slice::from_ref;
 
 /// The motion of one body: cubic segments between knots, and a rule for the time outside them.
@@ -58,7 +59,7 @@ use std::slice::from_ref;
 /// assert_eq!(plan.position(3.0), None); // absent after its last knot
 /// # Ok::<(), nearmiss::Error>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -66,6 +67,21 @@ use std::slice::from_ref;
 )]
 pub struct Trajectory {
     storage: Storage,
+}
+
+impl fmt::Debug for Trajectory {
+    /// Writes how many knots there are, the first and the last one, and the rules beyond them: plans may be long.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let knots = self.knots();
+        formatter
+            .debug_struct("Trajectory")
+            .field("knots", &knots.len())
+            .field("first", &knots.first())
+            .field("last", &knots.last())
+            .field("before", &self.outside_before())
+            .field("after", &self.outside_after())
+            .finish_non_exhaustive()
+    }
 }
 
 /// The ways in which a trajectory is stored. Between its knots, and beyond them as far as it is asked about, it consists of

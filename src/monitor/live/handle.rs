@@ -146,7 +146,9 @@ impl Handle {
     ///
     /// A feed that tells all bodies and moves the clock in each frame is carried out frame by frame: nothing in it is
     /// superseded. If the thread cannot keep up, the queue fills, and this returns [`Unsent::Busy`]. Then leave the frame
-    /// out: the next one tells where the bodies are by then.
+    /// out: the next one tells where the bodies are by then. Give such a feed a
+    /// [queue of few requests](super::LiveOptions::with_requests), as below: by default it fills after 4,096, a minute
+    /// late, and holds 128 bytes for each state told.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -155,7 +157,7 @@ impl Handle {
     /// # let mut scene = Scene::new();
     /// # let ship = scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
     /// # let monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)])?;
-    /// let live = monitor.spawn(LiveOptions::default())?;
+    /// let live = monitor.spawn(LiveOptions::default().with_requests(4))?;
     /// live.handle().track(0.5, [(ship, State::new(0.5, DVec3::X, DVec3::Y))])?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -13,7 +13,8 @@ use std::time::Duration;
 #[non_exhaustive]
 pub struct LiveOptions {
     /// Requests that may wait, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of them from
-    /// the beginning; as many again may have left the queue and not be applied yet.
+    /// the beginning, but for what they hold, as the states of [`Handle::track`](super::Handle::track); as many again may
+    /// have left the queue and not be applied yet.
     pub requests: usize,
     /// Reports that may wait to be read, 1 to [`MAX`](Self::MAX); 4,096 by default. There is room for all of
     /// them from the beginning; those of the step at hand wait beside them.
@@ -24,7 +25,7 @@ pub struct LiveOptions {
 }
 
 impl LiveOptions {
-    /// Largest capacity of a queue: some hundred megabytes.
+    /// Largest capacity of a queue: some hundred megabytes, without what its requests hold.
     pub const MAX: usize = 1 << 20;
 
     /// Returns the options with a capacity of the queue of requests.
@@ -85,7 +86,7 @@ pub enum ReportKind {
         /// Instant up to which nothing is missing, s.
         complete_until: f64,
     },
-    /// A request put bodies into the scene.
+    /// A request put bodies into the scene. This may be read before the call that sent the request has returned.
     Inserted {
         /// The request.
         ticket: Ticket,
