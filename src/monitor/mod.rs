@@ -97,10 +97,10 @@ use told_motions::ToldMotions;
 ///
 /// Where many bodies change before a tick, and did so within the eight ticks before, the tick screens its lookahead as a
 /// whole, or as much of it as a [budget](Budget) allows. Many are so many that this takes less time than comparing
-/// them with the kept boxes of all bodies: about one in twelve where a screening of the lookahead takes one slice, as of balls
-/// told each frame, three quarters where it takes many. Without a budget, so does each of the next eight ticks before
-/// which any body changes. A later one takes longer, once: it forms the boxes of all bodies, and changed ones are
-/// compared with these from then on.
+/// them with the kept boxes of all bodies: about one in sixteen of balls that are told each frame, 2 s ahead; up to three
+/// quarters where a screening of the lookahead takes many slices, or plans have many cubics in it. Without a budget, so
+/// does each of the next eight ticks before which any body changes. A later one takes longer, once: it forms the boxes of
+/// all bodies, and changed ones are compared with these from then on.
 ///
 /// # Threads
 ///

@@ -396,10 +396,13 @@ impl SliceBlocks {
         let present = statistics.present(slices.effective_window());
         let cubics = statistics.cubics_in(slices.length());
         let slices = slices.count();
+        let [least, largest] = Self::CACHED_SLICES;
         let usual = if cubics < 1.0 {
             Self::FEW_SLICES
+        } else if slices as usize <= largest {
+            // Each plan is read once.
+            largest
         } else {
-            let [least, largest] = Self::CACHED_SLICES;
             (whole(Self::CACHED_BOXES / present) as usize).clamp(least, largest)
         };
         let fit = (whole(Self::FEW_BOXES / present) as usize).clamp(usual, MAX_SLICES);
