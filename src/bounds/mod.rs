@@ -37,13 +37,13 @@ pub(crate) use compact_cubic::CompactCubic;
 pub(crate) use compact_trajectory::{CacheLine, CompactTrajectory, CompactView};
 pub(crate) use cubic_run::CubicRun;
 pub(crate) use fat_line::FatLine;
-use glam::{DVec3, Vec4};
-
 pub(crate) use frame::{DAabb, Frame, MovingFrame, Padding};
 pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
 pub(crate) use straight_pieces::StraightPieces;
 pub(crate) use sub_cubic::SubCubic;
+
+use glam::{DVec3, Vec4};
 
 /// Coordinates beyond this, in the frame's unit, are not served; below the largest f32.
 const FAR: f64 = 1e37;

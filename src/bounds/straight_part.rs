@@ -23,9 +23,9 @@ impl StraightPart {
     pub(super) fn new(motion: &StraightMotion, (from, to): (f64, f64), frame: &Frame) -> Self {
         // A box is larger by four roundings of `spread`. Each displacement has two roundings, and two where it cancels
         // with the offset. The solver's error, of at most 36, is relative to the displacement over a whole piece. That ends
-        // after the motion's duration or, later, after up to three times that since its state: its error is held once and a
-        // third, and that of the first piece four times.
-        const ERROR: f64 = 36.0 * UNIT_ROUNDOFF / ROUNDING as f64;
+        // after the motion's duration or, later, after up to three times that since its state. What it may report lies
+        // within two and a quarter times its error: 243 of these 256 roundings.
+        const ERROR: f64 = 64.0 * UNIT_ROUNDOFF / ROUNDING as f64;
         let [origin, velocity] = motion.numbers();
         let DVec3 { x, y, z } = frame.origin;
         let middle = [x, y, z, 0.0];

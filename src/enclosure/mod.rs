@@ -94,7 +94,7 @@
 //! ```text
 //! d(x) >= m² + c1 x + c2 x²
 //! d(x) >= m² - depth,     depth = c1² / (4 c2)          where c1 < 0 and -c1 <= 2 c2,
-//!                               max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
+//!                                 max(0, -(c1 + c2))    elsewhere;  at most max(0, -b1, .., -b6)
 //! ```
 //!
 //! If k0 is a minimum up to rounding, c1 is of the order of u m A, so depth is of the order of u²

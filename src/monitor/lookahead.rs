@@ -239,14 +239,15 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
-        let changed = (self.has_changed(), self.have_many_changed(scene, lookahead));
+        let have_many_changed = self.have_many_changed(scene, lookahead);
+        let changed = (self.has_changed(), have_many_changed);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
         let clock_slice = self.start(self.index(lookahead.0));
         self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
-        let mut is_begun = false;
+        let mut have_many_changed = Some(have_many_changed);
         loop {
             self.survivors.clear();
             let mut known = to;
@@ -260,8 +261,7 @@ impl LookaheadSearch {
                 work.stats.narrow_time += begin.elapsed();
             }
             let (compared_until, is_done) =
-                self.search_slices((from, clock_slice, to), is_begun, work)?;
-            is_begun = true;
+                self.search_slices((from, clock_slice, to), have_many_changed.take(), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -285,12 +285,12 @@ impl LookaheadSearch {
 
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `clock_slice` is the
     /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
-    /// which all is up to date, and false if another call is to go on once these survivors are solved: `is_begun` says that
-    /// it does.
+    /// which all is up to date, and false if another call is to go on once these survivors are solved.
+    /// `have_many_changed` is not given to that.
     fn search_slices(
         &mut self,
         (mut from, clock_slice, to): (f64, f64, f64),
-        is_begun: bool,
+        have_many_changed: Option<bool>,
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
@@ -304,8 +304,9 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        let scene = work.admission.scene;
-        if !is_begun && self.is_unknown_again(scene, (from, to), needed) && !work.meter.may_stop() {
+        if have_many_changed.is_some_and(|many| self.is_unknown_again(many, needed))
+            && !work.meter.may_stop()
+        {
             self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
                 self.last_end = to;

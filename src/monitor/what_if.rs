@@ -30,8 +30,8 @@ impl Monitor {
     ///
     /// [`what_if_body`](Self::what_if_body) asks about a body that is not there yet.
     ///
-    /// A question about a ball takes some microseconds, one about a turning cluster a hundred. After a tick in which [many bodies](Self#cost) changed, the first one forms boxes of all
-    /// bodies: it takes about two thirds of such a tick.
+    /// A question about a ball takes some microseconds, one about a turning cluster a hundred. After a tick in which
+    /// [many bodies](Self#cost) changed, the first one forms boxes of all bodies: it takes about two thirds of such a tick.
     ///
     /// # Errors
     ///

@@ -10,7 +10,8 @@ pub(super) struct ToldStates {
     pub(super) motions: Vec<(BodyId, StraightMotion)>,
     /// Spins, in the order of the motions, and the place of each one's motion there.
     pub(super) spins: Vec<(usize, ToldSpin)>,
-    /// Place in `motions` of the last one of each slot, valid for those told in this call once it was [found](Self::find_last).
+    /// Place in `motions` of the last one of each slot, valid for those told in this call once it was
+    /// [found](Self::find_last).
     last_of: Vec<usize>,
 }
 

@@ -151,7 +151,7 @@ impl Scene {
         }
         if checked.is_ok() {
             told.keep_last_spins();
-            if parallel::threads() > 1 && 2 * told.motions.len() > self.slots.len().max(Self::FEW) {
+            if parallel::threads() > 1 && told.motions.len() > Self::FEW.max(self.slots.len() / 2) {
                 self.follow_shared(&mut told);
             } else {
                 self.follow_each(&told);
@@ -168,8 +168,8 @@ impl Scene {
         checked
     }
 
-    /// Twice as many bodies are told on one thread.
-    const FEW: usize = 16_384;
+    /// So many bodies are told on one thread.
+    const FEW: usize = 8_192;
 
     /// Gives the bodies their motions, in the order in which they were told.
     fn follow_each(&mut self, told: &ToldStates) {

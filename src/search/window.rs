@@ -376,13 +376,13 @@ impl SliceBlocks {
     const FEWEST: u32 = 3;
     /// Usual number of slices in a block of slices with less than one cubic per body.
     const FEW_SLICES: usize = 4;
-    /// Boxes of a block of slices with more cubics, and the least and largest number of its slices. With more slices,
+    /// Boxes of a block of slices with a cubic per body or more, and the least and largest number of its slices. With more slices,
     /// cubics are read less often, but the lists of boxes leave the caches, and their memory is new in a first screening.
     const CACHED_BOXES: f64 = 16_384.0;
     const CACHED_SLICES: [usize; 2] = [2, 8];
     /// Boxes that make longer blocks where bodies are few. More of them save less than their memory
     /// costs when it is first touched.
-    const FEW_BOXES: f64 = 512.0;
+    const BOXES_OF_FEW_BODIES: f64 = 512.0;
     /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
     const MAX_BOXES: usize = 1 << 20;
     /// Approximate largest number of boxes of the blocks of a merge.
@@ -405,7 +405,7 @@ impl SliceBlocks {
         } else {
             (whole(Self::CACHED_BOXES / present) as usize).clamp(least, largest)
         };
-        let fit = (whole(Self::FEW_BOXES / present) as usize).clamp(usual, MAX_SLICES);
+        let fit = (whole(Self::BOXES_OF_FEW_BODIES / present) as usize).clamp(usual, MAX_SLICES);
         let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(short(most));
         let threads = short(threads);

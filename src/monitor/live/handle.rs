@@ -147,8 +147,8 @@ impl Handle {
     /// A feed that tells all bodies and moves the clock in each frame is carried out frame by frame: nothing in it is
     /// superseded. If the thread cannot keep up, the queue fills, and this returns [`Unsent::Busy`]. Then leave the frame
     /// out: the next one tells where the bodies are by then. Give such a feed a
-    /// [queue of few requests](super::LiveOptions::with_requests), as below: by default it fills after 4,096, a minute
-    /// late, and holds 128 bytes for each state told.
+    /// [queue of few requests](super::LiveOptions::with_requests), as below: by default it fills after 4,096, up to a
+    /// minute late, and holds 128 bytes for each state told.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;

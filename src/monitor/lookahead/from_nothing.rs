@@ -47,15 +47,16 @@ impl LookaheadSearch {
     /// Returns true if so many bodies have changed that a search of a lookahead (first and last instant, s) from nothing
     /// takes less time than comparing them with kept boxes.
     ///
-    /// Measured with 10,000 and 100,000 balls, 2 and 10 s ahead, and with plans: a changed body takes a kept slice about as
-    /// long as three to four bodies take a slice from nothing, or three cubics of their plans.
+    /// Measured with 10,000 and 100,000 balls, 2 and 10 s ahead, and with plans: a changed body takes as long for a kept slice
+    /// as about four bodies take for a slice from nothing, or for a cubic of their plans.
     pub(super) fn have_many_changed(&self, scene: &Scene, (from, to): (f64, f64)) -> bool {
-        const FROM_NOTHING: f64 = 0.3;
+        const FROM_NOTHING: f64 = 0.25;
         const CUBIC: f64 = 1.2;
         /// Kept slices may be longer than those of a search from nothing. Then bodies are compared with more others than
         /// this tells.
         const MOST: f64 = 0.75;
-        let slices = ((to - from) / self.grid.length).ceil() + 1.0;
+        // Of two it has parts.
+        let slices = (to - from) / self.grid.length + 1.0;
         let search_slices = ((to - from) / self.grid.search_length).round().max(1.0);
         let (changed, all) = (self.changed.slots().len(), self.monitored.len());
         let is_more = |boxes: f64| {
@@ -66,18 +67,13 @@ impl LookaheadSearch {
             && is_more(search_slices + CUBIC * scene.cubics_of_a_plan((from, to)))
     }
 
-    /// Returns true if a lookahead (first and last instant, s) is to be searched from nothing: [much is
-    /// unknown](Self::is_much_unknown), and was a few ticks before, so that kept boxes would not pay; or much was a few
-    /// ticks before, something has changed, and none of the needed slices has boxes. (All is unknown at the first tick of a
-    /// monitor. That tick forms the boxes of slices.)
-    pub(super) fn is_unknown_again(
-        &mut self,
-        scene: &Scene,
-        lookahead: (f64, f64),
-        needed: usize,
-    ) -> bool {
+    /// Returns true if a lookahead is to be searched from nothing: [many bodies have changed](Self::have_many_changed), or
+    /// [most is unknown](Self::is_mostly_unknown), and so it was a few ticks before, so that kept boxes would not pay; or so
+    /// it was a few ticks before, something has changed, and none of the needed slices has boxes. (All is unknown at the
+    /// first tick of a monitor. That tick forms the boxes of slices.)
+    pub(super) fn is_unknown_again(&mut self, have_many_changed: bool, needed: usize) -> bool {
         let is_soon = self.since_unknown < FEW_TICKS;
-        if self.is_much_unknown(scene, lookahead, needed) {
+        if have_many_changed || self.is_mostly_unknown(needed) {
             self.since_unknown = 0;
             return is_soon;
         }
@@ -91,13 +87,13 @@ impl LookaheadSearch {
         is_soon && !self.changed.slots().is_empty() && !has_boxes()
     }
 
-    /// Returns true if many bodies have changed; or if more than three quarters of all are to be compared with all others, in
-    /// the mean of the slices that are needed: most slices are new.
-    fn is_much_unknown(&self, scene: &Scene, lookahead: (f64, f64), needed: usize) -> bool {
+    /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
+    /// mean of the slices that are needed: most slices are new.
+    fn is_mostly_unknown(&self, needed: usize) -> bool {
         let (changed, all) = (self.changed.slots().len(), self.monitored.len());
         let slices = self.slices.iter().take(needed);
         let unknown = slices.map(|slice| slice.unknown(changed, all)).sum();
-        self.have_many_changed(scene, lookahead) || are_most(unknown, all * needed)
+        are_most(unknown, all * needed)
     }
 
     /// Returns the window in which a lookahead (first and last instant, s) is searched, within the needed slices. It

@@ -50,8 +50,8 @@ impl LookaheadSearch {
     }
 
     /// Returns the number of the first slice to search for reports from `time` (s) on: the last slice that
-    /// begins before `time`. If `time` is a boundary, an instant that is rounded to it may lie in the slice before the boundary. Further
-    /// slices are not needed: neighbouring boundaries are many roundings apart.
+    /// begins before `time`. If `time` is a boundary, an instant that is rounded to it may lie in the slice before it.
+    /// Further slices are not needed: neighbouring boundaries are many roundings apart.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "saturates; a lookahead of 2^63 slices is refused by `Monitor`"
