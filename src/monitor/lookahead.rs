@@ -82,7 +82,7 @@ pub(super) struct LookaheadSearch {
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     last_end: f64,
-    /// Ticks since most was unknown.
+    /// Ticks since many bodies had changed, or most was unknown.
     since_unknown: u32,
     pub(super) affordable: AffordableLookahead,
     /// Largest number of spans; with more the scene is too crowded.

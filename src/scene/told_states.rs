@@ -21,12 +21,9 @@ impl ToldStates {
         self.spins.clear();
     }
 
-    /// Drops the spins that a later state of the same body replaces, also one without a spin.
+    /// Drops the spins that a later state of the same body replaces, also one without a spin, once the last ones were
+    /// [found](Self::find_last).
     pub(super) fn keep_last_spins(&mut self) {
-        if self.spins.is_empty() {
-            return;
-        }
-        self.find_last();
         let (motions, last_of) = (&self.motions, &self.last_of);
         self.spins
             .retain(|(place, _)| last_of[motions[*place].0.slot as usize] == *place);

@@ -150,9 +150,14 @@ impl Scene {
             }
         }
         if checked.is_ok() {
+            let many = Self::FEW.max(self.slots.len() / 2);
+            let is_shared = parallel::threads() > 1 && told.motions.len() > many;
+            if is_shared || !told.spins.is_empty() {
+                told.find_last();
+            }
             told.keep_last_spins();
-            if parallel::threads() > 1 && told.motions.len() > Self::FEW.max(self.slots.len() / 2) {
-                self.follow_shared(&mut told);
+            if is_shared {
+                self.follow_shared(&told);
             } else {
                 self.follow_each(&told);
             }
@@ -188,11 +193,9 @@ impl Scene {
     }
 
     /// Gives the bodies their motions on several threads, in the order of their slots.
-    fn follow_shared(&mut self, told: &mut ToldStates) {
+    fn follow_shared(&mut self, told: &ToldStates) {
         /// Slots that one thread goes through together.
         const CHUNK: usize = 1024;
-        told.find_last();
-        let told = &*told;
         let slots = self.slots.chunks_mut(CHUNK);
         let mut chunks: Vec<_> = slots.map(|slots| (slots, Vec::new())).collect();
         parallel::for_each(&mut chunks, |number, (slots, others)| {
