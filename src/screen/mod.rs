@@ -13,7 +13,8 @@ mod prepared;
 mod solve;
 mod survey;
 
-pub(crate) use solve::{conflict, describe};
+pub(crate) use pair::push_conflicts;
+pub(crate) use solve::{PairQuestion, SolveScratch, conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Method, PairFilter};

@@ -73,7 +73,7 @@ impl Scene {
                 let (own_name, name) = ((own_id, body.tag), (id, other.tag));
                 let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, &view));
                 let (views, asked) = ((view_a, view_b), (margin, query.accuracy()));
-                if let Some(question) = PairQuestion::of([a, b], views, asked, window) {
+                if let Some(question) = PairQuestion::of([a, b], views, asked, window.ends()) {
                     push_conflicts(&question, scratch, &mut found);
                 }
             }

@@ -96,14 +96,14 @@ pub fn conflicts(a: &Body, b: &Body, query: &Query) -> Result<Vec<Conflict>, Err
     let mut found = Vec::new();
     let names = [(id(0), a.tag), (id(1), b.tag)];
     let (views, asked) = ((&view_a, &view_b), (margin, query.accuracy()));
-    if let Some(question) = PairQuestion::of(names, views, asked, window) {
+    if let Some(question) = PairQuestion::of(names, views, asked, window.ends()) {
         push_conflicts(&question, &mut SolveScratch::default(), &mut found);
     }
     Ok(found)
 }
 
 /// Appends all conflicts of two bodies to a list, in time order.
-pub(super) fn push_conflicts(
+pub(crate) fn push_conflicts(
     question: &PairQuestion<'_>,
     scratch: &mut SolveScratch,
     found: &mut Vec<Conflict>,

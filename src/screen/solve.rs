@@ -12,19 +12,18 @@ use crate::narrow_phase::{
 use crate::parallel;
 use crate::search::Bodies;
 use crate::spans::{Span, SpanKey, common_window};
-use crate::window::Window;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Buffers that are reused from pair to pair.
 #[derive(Default)]
-pub(super) struct SolveScratch {
+pub(crate) struct SolveScratch {
     contacts: Vec<Contact>,
     certified: Vec<CertifiedContact>,
     workspace: Workspace,
 }
 
 /// A question about the conflicts of two bodies.
-pub(super) struct PairQuestion<'p> {
+pub(crate) struct PairQuestion<'p> {
     /// Ids and tags in the answer.
     names: [(BodyId, u64); 2],
     pub(super) views: (&'p BodyView<'p>, &'p BodyView<'p>),
@@ -35,18 +34,18 @@ pub(super) struct PairQuestion<'p> {
 }
 
 impl<'p> PairQuestion<'p> {
-    /// Returns the question about two bodies within a window and a margin (m), or `None` if they do not
+    /// Returns the question about two bodies within a window (s) and a margin (m), or `None` if they do not
     /// exist at the same time.
-    pub(super) fn of(
+    pub(crate) fn of(
         names: [(BodyId, u64); 2],
         views: (&'p BodyView<'p>, &'p BodyView<'p>),
         (margin, accuracy): (f64, Accuracy),
-        window: Window,
+        window: (f64, f64),
     ) -> Option<Self> {
         Some(Self {
             names,
             views,
-            window: common_window(&views.0.knots, &views.1.knots, window.ends())?,
+            window: common_window(&views.0.knots, &views.1.knots, window)?,
             margin,
             accuracy,
         })
@@ -157,7 +156,7 @@ impl PreparedScene<'_> {
             (self.ids[place], self.entries[place].body.tag)
         });
         let (views, asked) = ((&view_a, &view_b), (self.margin, self.accuracy));
-        if let Some(question) = PairQuestion::of(names, views, asked, self.window) {
+        if let Some(question) = PairQuestion::of(names, views, asked, self.window.ends()) {
             let spans = survivors.iter();
             let spans = spans.map(|survivor| survivor.span(&view_a.knots, &view_b.knots));
             question.push_conflicts(spans, scratch, conflicts);

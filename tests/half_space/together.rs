@@ -78,6 +78,27 @@ fn a_body_that_hovers() {
     }
 }
 
+/// Half-spaces that are asked about together do not meet each other; a ball that is asked about with them does.
+#[test]
+fn half_spaces_asked_about_together() {
+    let mut scene = Scene::new();
+    let mut insert = |body: Body| scene.insert(body).unwrap();
+    let walls = [insert(floor(0.0)), insert(floor(0.0))];
+    let ball = insert(falling(0.0));
+    let mut monitor = Monitor::new(scene, 0.0, 20.0, &[AlertLevel::at(1.0)]).unwrap();
+    monitor.advance(0.0, &mut Vec::new()).unwrap();
+    let place = |height: f64| Trajectory::at_rest(height * DVec3::Z).unwrap();
+    let (low, high) = (place(1.0), place(100.0));
+    // Both walls far above the ball contain it.
+    let plans = [(walls[0], &high), (walls[1], &high), (ball, &low)];
+    let would = monitor.what_if_plans(plans, 0).unwrap();
+    let pairs: Vec<_> = would.iter().map(|one| (one.a, one.b)).collect();
+    assert_eq!(pairs, [(walls[0], ball), (walls[1], ball)]);
+    // Now the ball is far above them.
+    let plans = [(ball, &high), (walls[1], &low), (walls[0], &low)];
+    assert_eq!(monitor.what_if_plans(plans, 0).unwrap(), []);
+}
+
 /// Asking about a body that is not there gives what inserting it would give.
 #[test]
 fn one_against_all() {

@@ -348,6 +348,8 @@ fn a_question_is_answered_in_its_turn() {
         .send(Command::SetTrajectory(ids[1], here.clone()))
         .unwrap();
     let asked = handle.what_if(ids[2], here.clone(), 0).unwrap();
+    let both = [(ids[2], here.clone()), (ids[3], here.clone())];
+    let together = handle.what_if_plans(both.clone(), 0).unwrap();
     let back = Command::SetTrajectory(ids[1], there.clone());
     let _ = handle.send(back).unwrap();
     let new = Body::new(here.clone());
@@ -375,10 +377,15 @@ fn a_question_is_answered_in_its_turn() {
                     assert_eq!(bits(&conflicts), bits(&expected));
                     continue;
                 }
-                assert_eq!(ticket, asked);
-                let expected = embedded.what_if(ids[2], &here, 0).unwrap();
+                let (expected, partner) = if ticket == together {
+                    let both = both.iter().map(|(id, plan)| (*id, plan));
+                    (embedded.what_if_plans(both, 0).unwrap(), ids[3])
+                } else {
+                    assert_eq!(ticket, asked);
+                    (embedded.what_if(ids[2], &here, 0).unwrap(), ids[1])
+                };
                 assert_eq!(bits(&conflicts), bits(&expected));
-                let pair = (ids[1].min(ids[2]), ids[1].max(ids[2]));
+                let pair = (partner.min(ids[2]), partner.max(ids[2]));
                 assert!(conflicts.iter().any(|found| (found.a, found.b) == pair));
             }
             ReportKind::Refused { ticket, error } => {
@@ -389,7 +396,7 @@ fn a_question_is_answered_in_its_turn() {
             _ => {}
         }
     }
-    assert_eq!(answered, 2);
+    assert_eq!(answered, 3);
     assert_eq!(live.shutdown().unwrap().counts.refused, 1);
 }
 

@@ -5,8 +5,8 @@ use super::scenarios::tick;
 use super::support::{bits, rng, rng as support_rng, vector, wander, with_every_change};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Error, Hitbox, Layers, Monitor, Outside, Query, Scene, State,
-    Trajectory, Window,
+    AlertLevel, Body, BodyId, Budget, Conflict, Error, Hitbox, Layers, Monitor, Outside, Query,
+    Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -93,6 +93,22 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut [BodyId]) {
 /// Asks about an idea for a body: as many conflicts as a screening finds, and the same.
 pub(super) fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize) -> usize {
     let would = monitor.what_if(id, idea, level);
+    assert_as_screened(monitor, &[(id, idea)], level, would)
+}
+
+/// Asks about ideas for some bodies together: as many conflicts as a screening finds, and the same.
+fn ask_together(monitor: &Monitor, ideas: &[(BodyId, &Trajectory)], level: usize) -> usize {
+    let would = monitor.what_if_plans(ideas.iter().copied(), level);
+    assert_as_screened(monitor, ideas, level, would)
+}
+
+/// Compares an answer with a screening of the scene in which the ideas are followed.
+fn assert_as_screened(
+    monitor: &Monitor,
+    ideas: &[(BodyId, &Trajectory)],
+    level: usize,
+    would: Result<Vec<Conflict>, Error>,
+) -> usize {
     let window = (monitor.now(), monitor.complete_until());
     if window.0 >= window.1 {
         assert!(matches!(would, Err(Error::NothingKnown { .. })));
@@ -100,11 +116,13 @@ pub(super) fn ask(monitor: &Monitor, id: BodyId, idea: &Trajectory, level: usize
     }
     let would = would.unwrap();
     let mut scene = monitor.scene().clone();
-    scene.set_trajectory(id, idea.clone()).unwrap();
+    for &(id, idea) in ideas {
+        scene.set_trajectory(id, idea.clone()).unwrap();
+    }
     let window = Window::new(window.0, window.1).unwrap();
     let query = Query::new(window).with_margin(monitor.levels()[level].margin);
     let mut screened = scene.screen(&query).unwrap().conflicts;
-    screened.retain(|one| one.a == id || one.b == id);
+    screened.retain(|one| ideas.iter().any(|(id, _)| one.a == *id || one.b == *id));
     assert_eq!(bits(&would), bits(&screened), "{window:?} {level}");
     would.len()
 }
@@ -212,6 +230,64 @@ fn what_if_is_as_screened_where_many_slices_are_crossed() {
         }
     }
     assert!(found > 1_000 && in_part > 5, "{found} {in_part}");
+}
+
+/// Bodies that change their plans together meet each other as they would then, and no one as they do now. The last idea of
+/// a body that is named twice counts.
+#[test]
+fn plans_that_change_together_are_as_screened() {
+    let mut rng = rng(73);
+    let mut scene = Scene::new();
+    let mut ids: Vec<BodyId> = (0..80)
+        .map(|_| scene.insert(body(&mut rng, 0.0)).unwrap())
+        .collect();
+    let mut monitor = with_every_change(Monitor::new(scene, 0.0, LOOKAHEAD, &LEVELS).unwrap());
+    let (mut found, mut with_each_other, mut twice) = (0, 0, 0);
+    for step in 0..40 {
+        let now = 0.3 * f64::from(step);
+        tick(&mut monitor, now);
+        change(&mut rng, &mut monitor, &mut ids);
+        let mut ideas = Vec::new();
+        while ideas.len() < 6 {
+            let id = ids[rng.random_range(0..ids.len())];
+            let mut idea = passing(&mut rng, &monitor, &ids);
+            // Two of them pass by each other, whatever else they do.
+            if let (1, Some((_, before))) = (ideas.len() % 2, ideas.last()) {
+                idea = Trajectory::clone(before);
+            }
+            if monitor
+                .scene()
+                .body(id)
+                .unwrap()
+                .trajectory
+                .domain()
+                .contains(now)
+            {
+                ideas.push((id, idea));
+            }
+        }
+        for count in 1..=ideas.len() {
+            let named: Vec<_> = ideas[..count]
+                .iter()
+                .map(|(id, idea)| (*id, idea))
+                .collect();
+            found += ask_together(&monitor, &named, count % LEVELS.len());
+        }
+        let last_of = |one: usize| ideas[one + 1..].iter().all(|later| later.0 != ideas[one].0);
+        twice += (0..6).filter(|&one| !last_of(one)).count();
+        let named = |id| ideas.iter().any(|(named, _)| *named == id);
+        let asked = ideas.iter().map(|(id, idea)| (*id, idea));
+        let would = monitor.what_if_plans(asked, 0).unwrap();
+        with_each_other += would
+            .iter()
+            .filter(|one| named(one.a) && named(one.b))
+            .count();
+    }
+    assert!(
+        found > 3_000 && with_each_other > 50 && twice > 3,
+        "{found} {with_each_other} {twice}"
+    );
+    assert_eq!(ask_together(&monitor, &[], 0), 0);
 }
 
 /// What bodies do that have changed since the last tick counts, however often they have.

@@ -109,18 +109,32 @@ fn monitors_say_what_screenings_say() {
                 let ahead = State::new(clock, state.position, velocity);
                 let next = Trajectory::coasting(ahead).unwrap();
                 let idea = BodyPlan::new(next, Orientation::spin(clock, turn, spin).unwrap());
-                let would = monitor.what_if(id, &idea, 0).unwrap();
+                // Alone, and together with another that stops turning where it is.
+                let other_id = *ids.iter().find(|&&other| other != id).unwrap();
+                let place = monitor
+                    .scene()
+                    .body(other_id)
+                    .unwrap()
+                    .trajectory
+                    .state(clock);
+                let rest = Trajectory::at_rest(place.unwrap().position).unwrap();
+                let rest = BodyPlan::new(rest, Orientation::FIXED);
                 let mut other = monitor.scene().clone();
-                other.set_trajectory(id, idea.trajectory).unwrap();
-                other
-                    .set_orientation(id, idea.orientation.unwrap())
-                    .unwrap();
-                let window = Window::new(clock, monitor.complete_until()).unwrap();
-                let query = Query::new(window).with_margin(MARGIN);
-                let mut expected = other.screen(&query).unwrap().conflicts;
-                expected.retain(|conflict| conflict.a == id || conflict.b == id);
-                assert_eq!(would, expected);
-                asked += would.len();
+                for ideas in [vec![(id, &idea)], vec![(other_id, &rest), (id, &idea)]] {
+                    let would = monitor.what_if_plans(ideas.iter().copied(), 0).unwrap();
+                    for &(id, idea) in &ideas {
+                        let turn = idea.orientation.clone().unwrap();
+                        other.set_trajectory(id, idea.trajectory.clone()).unwrap();
+                        other.set_orientation(id, turn).unwrap();
+                    }
+                    let window = Window::new(clock, monitor.complete_until()).unwrap();
+                    let query = Query::new(window).with_margin(MARGIN);
+                    let mut expected = other.screen(&query).unwrap().conflicts;
+                    let is_named = |id| ideas.iter().any(|(named, _)| *named == id);
+                    expected.retain(|one| is_named(one.a) || is_named(one.b));
+                    assert_eq!(would, expected);
+                    asked += would.len();
+                }
             }
         }
         monitor.advance(now, &mut events).unwrap();

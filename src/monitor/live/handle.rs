@@ -223,6 +223,24 @@ impl Handle {
         self.send(Request::WhatIf(id, plan.into(), level))
     }
 
+    /// Asks which conflicts some bodies would have at an alert level if each followed its plan from now on: the answer is
+    /// the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`send`](Self::send). A refusal by
+    /// [`Monitor::what_if_plans`](crate::Monitor::what_if_plans) comes as
+    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
+    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
+    pub fn what_if_plans(
+        &self,
+        plans: impl IntoIterator<Item = (BodyId, impl Into<BodyPlan>)>,
+        level: usize,
+    ) -> Result<Ticket, Unsent> {
+        let plans = plans.into_iter().map(|(id, plan)| (id, plan.into()));
+        self.send(Request::WhatIfPlans(plans.collect(), level))
+    }
+
     /// Asks which conflicts a body that is not there yet would have at an alert level: the answer is the
     /// [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
     ///

@@ -101,7 +101,8 @@ pub enum ReportKind {
         /// The bodies, and the instants from which they follow their last plans, s.
         plans: Vec<(BodyId, f64)>,
     },
-    /// The answer to [`Handle::what_if`](super::Handle::what_if) or
+    /// The answer to [`Handle::what_if`](super::Handle::what_if),
+    /// [`Handle::what_if_plans`](super::Handle::what_if_plans) or
     /// [`Handle::what_if_body`](super::Handle::what_if_body), worked out after all requests before it,
     /// and as far as the last tick had looked ahead. [`Refused`](Self::Refused) with
     /// [`Error::NothingKnown`](crate::Error::NothingKnown) before the first tick, and while the budget leaves the monitor
@@ -109,7 +110,7 @@ pub enum ReportKind {
     WhatIf {
         /// The request.
         ticket: Ticket,
-        /// Conflicts of the body, as [`Monitor::what_if`](crate::Monitor::what_if) returns them.
+        /// Conflicts of the body or bodies, as the methods of [`Monitor`](crate::Monitor) of the same names return them.
         conflicts: Vec<Conflict>,
         /// End of the examined time, s: later conflicts are not listed.
         complete_until: f64,

@@ -42,6 +42,10 @@ pub enum Request {
     /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
     WhatIf(BodyId, BodyPlan, usize),
+    /// Asks for the conflicts of some bodies, at an alert level, if each followed its plan from now on.
+    /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
+    /// [`Monitor::what_if_plans`](crate::Monitor::what_if_plans).
+    WhatIfPlans(Vec<(BodyId, BodyPlan)>, usize),
     /// Asks for the conflicts, at an alert level, of a body that is not there yet. Changes nothing. The
     /// answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if_body`](crate::Monitor::what_if_body).
@@ -182,6 +186,7 @@ impl RequestQueue {
                 Request::Batch(_)
                 | Request::Track(..)
                 | Request::WhatIf(..)
+                | Request::WhatIfPlans(..)
                 | Request::WhatIfBody(..),
                 _,
             ) => self.plans.clear(),

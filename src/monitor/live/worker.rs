@@ -166,6 +166,11 @@ impl Worker {
                 let conflicts = self.monitor.what_if(id, &plan, level);
                 conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))
             }
+            Request::WhatIfPlans(plans, level) => {
+                let plans = plans.iter().map(|(id, plan)| (*id, plan));
+                let conflicts = self.monitor.what_if_plans(plans, level);
+                conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))
+            }
             Request::WhatIfBody(body, level) => {
                 let conflicts = self.monitor.what_if_body(&body, level);
                 conflicts.map(|conflicts| Some(self.what_if(ticket, conflicts)))
