@@ -4,6 +4,7 @@ use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
 use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
+use crate::count::short;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
@@ -11,7 +12,9 @@ use crate::search::{
     Bodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SourcesInPlace,
 };
 use crate::simd::InstructionSet;
+use crate::spans::common_part;
 use crate::trajectory::Segment;
+use std::ops::Range;
 use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
@@ -102,6 +105,18 @@ impl<'m> BodyTable<'m> {
             until > monitored.until() || monitored.knots(&body.trajectory).has_unlisted_cubics();
         let (_, entry) = self.scene.in_slot(slot)?;
         Some((entry, needs_cubics))
+    }
+
+    /// Returns those of some slots whose bodies may exist within an interval (s), and have a partner.
+    pub(super) fn present(
+        &self,
+        slots: Range<usize>,
+        interval: (f64, f64),
+    ) -> impl Iterator<Item = u32> + Clone {
+        let lives = self.monitored.present(slots.clone());
+        let present = slots.zip(lives);
+        let present = present.filter(move |&(_, (life, _))| common_part(life, interval).is_some());
+        present.map(|(slot, _)| short(slot))
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,

@@ -32,6 +32,8 @@ pub(super) struct Grid {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SceneEstimate {
     slices: f64,
+    /// Mean share of the lookahead in which a body exists, 0 to 1.
+    presence: f64,
     /// The middle half of the bodies on each axis (m): a few that stray make no difference.
     middle: DAabb,
 }
@@ -103,6 +105,8 @@ impl SceneEstimate {
             count += 1;
         }
         let (mut slices, mut middle) = (0.0, DAabb::NOTHING);
+        let bodies = as_f64(scene.len().max(1));
+        let presence = (scene.mean_present((from, from + lookahead)) / bodies).min(1.0);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
             let mut spacing = 1.0;
@@ -111,10 +115,14 @@ impl SceneEstimate {
                 spacing *= (2.0 * extent).max(reach).cbrt();
             }
             speeds[..count].sort_unstable_by(f64::total_cmp);
-            let spacing = (spacing / as_f64(scene.len()).cbrt()).max(reach);
+            let spacing = (spacing / bodies.cbrt()).max(reach);
             slices = 2.0 * lookahead * speeds[count / 2] / spacing;
         }
-        Self { slices, middle }
+        Self {
+            slices,
+            presence,
+            middle,
+        }
     }
 }
 
@@ -129,8 +137,10 @@ impl Grid {
     /// three, three were measured 10 to 15 % cheaper than four.)
     pub(super) const FEWEST: f64 = 3.0;
     const MAX: f64 = 2048.0;
-    /// Largest number of boxes in all slices together: some 130 bytes each.
-    const MAX_BOXES: f64 = 2e6;
+    /// Memory of all slices together, bytes; in a slice, that of a body, and that of a box.
+    const MAX_MEMORY: f64 = 260e6;
+    const BODY: f64 = 37.0;
+    const BOX: f64 = 93.0;
     /// A screening forms a box and compares it for a tenth of what it costs to do that when a plan
     /// changes: a monitor takes this share of the slices that a screening would.
     const SHARE: f64 = 0.5;
@@ -149,10 +159,10 @@ impl Grid {
     ) -> Result<Self, Error> {
         let query = Query::new(Window::new(origin, origin + lookahead)?).with_margin(margin);
         let cheapest = f64::from(scene.cheapest_slices(&query)?);
-        // A whole number: else part of the next slice would be due at the first tick.
-        let slice_count = Self::number(cheapest, scene.len()).round();
+        // A whole number of slices: else part of the next slice would be due at the first tick.
         let velocity = scene.common_velocity((origin, origin + lookahead));
         let estimate = SceneEstimate::of(scene, margin, (origin, lookahead), velocity);
+        let slice_count = Self::number(cheapest, scene.len(), &estimate).round();
         let grid = Self {
             frame: Frame::amid(scene.extremes(), estimate.middle, margin.abs()).moving(velocity),
             margin,
@@ -173,10 +183,15 @@ impl Grid {
         })
     }
 
-    /// Returns the number of slices for a scene of which a screening would take so many.
-    fn number(slices: f64, bodies: usize) -> f64 {
-        let most = (Self::MAX_BOXES / as_f64(bodies.max(1))).min(Self::MAX);
+    /// Returns the number of slices for so many bodies, of which a screening would take so many.
+    fn number(slices: f64, bodies: usize, estimate: &SceneEstimate) -> f64 {
+        let most = (Self::MAX_MEMORY / Self::memory(bodies.max(1), estimate)).min(Self::MAX);
         (Self::SHARE * slices).min(most).max(Self::FEWEST)
+    }
+
+    /// Returns the memory of a slice with so many bodies, bytes.
+    fn memory(bodies: usize, estimate: &SceneEstimate) -> f64 {
+        as_f64(bodies) * (Self::BODY + estimate.presence * Self::BOX)
     }
 
     /// Returns the padding of the boxes of bodies of a shape.
@@ -198,7 +213,7 @@ impl Grid {
         /// Times more slices, or fewer, that a tick hardly notices.
         const FEW: f64 = 3.0;
         let [before, now] =
-            [&self.estimate, estimate].map(|estimate| Self::number(estimate.slices, scene.len()));
+            [&self.estimate, estimate].map(|one| Self::number(one.slices, scene.len(), one));
         let is_alike = now <= FEW * before && before <= FEW * now;
         let frame = Frame::around(self.estimate.middle, self.margin.abs());
         is_alike && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
@@ -217,10 +232,10 @@ impl Grid {
         self.estimate = other.estimate;
     }
 
-    /// Returns true if the grid has far too many boxes for a scene, which has grown.
+    /// Returns true if the slices of a scene, which has grown, take far too much memory.
     pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
         self.slice_count > Self::FEWEST
-            && self.slice_count * as_f64(scene.len()) > 2.0 * Self::MAX_BOXES
+            && self.slice_count * Self::memory(scene.len(), &self.estimate) > 2.0 * Self::MAX_MEMORY
     }
 
     /// Returns true if f64 resolves at least 4,096 instants in a slice on a clock that shows `now` (s). A grid
@@ -238,4 +253,60 @@ pub(super) fn can_show(time: f64, lookahead: f64) -> bool {
 /// Returns true if f64 resolves slices of this length (s) on a clock that shows `time` (s).
 pub(super) fn can_tell_apart(time: f64, length: f64) -> bool {
     length > 4.0 * f64::EPSILON * time.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Grid;
+    use crate::count::as_f64;
+    use crate::error::Error;
+    use crate::query::Query;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::{State, Trajectory};
+    use crate::window::Window;
+    use glam::DVec3;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    /// Bodies take memory in the slices in which they exist: many that exist for a short time do not make slices long.
+    #[test]
+    fn slices_are_as_many_as_bodies_that_exist_at_a_time_need() -> Result<(), Error> {
+        const BODIES: usize = 20_000;
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let lookahead = 2_000.0;
+        let scene_of = |life: f64, rng: &mut ChaCha8Rng| {
+            let mut scene = Scene::new();
+            for _ in 0..BODIES {
+                let start = rng.random_range(0.0..lookahead - life);
+                let mut point = |size: f64| {
+                    let [x, y, z] = [0; 3].map(|_| rng.random_range(-size..size));
+                    DVec3::new(x, y, z)
+                };
+                let (position, velocity) = (point(1_000.0), point(200.0));
+                let states =
+                    [0.0, life].map(|t| State::new(start + t, position + t * velocity, velocity));
+                scene.insert(Body::new(Trajectory::from_states(&states)?))?;
+            }
+            Ok::<_, Error>(scene)
+        };
+        let most = |scene: &Scene| {
+            let grid = Grid::for_scene(scene, 5.0, (0.0, lookahead), 0.0)?;
+            let most = Grid::number(1e9, BODIES, &grid.estimate);
+            Ok::<_, Error>((grid, most))
+        };
+        let of_all = Grid::MAX_MEMORY / (as_f64(BODIES) * (Grid::BODY + Grid::BOX));
+        let short = scene_of(lookahead / 10.0, &mut rng)?;
+        let (grid, most_of_short) = most(&short)?;
+        assert!(most_of_short > 2.0 * of_all, "{most_of_short} {of_all}");
+        let query = Query::new(Window::new(0.0, lookahead)?).with_margin(5.0);
+        let wanted = Grid::SHARE * f64::from(short.cheapest_slices(&query)?);
+        let count = grid.slice_count;
+        assert!(
+            count > 1.2 * of_all && (count - wanted).abs() <= 0.5,
+            "{count} {wanted}"
+        );
+        let (_, most_of_long) = most(&scene_of(0.9 * lookahead, &mut rng)?)?;
+        assert!(most_of_long < 1.1 * of_all, "{most_of_long} {of_all}");
+        Ok(())
+    }
 }

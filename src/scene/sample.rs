@@ -40,6 +40,18 @@ impl Scene {
         cubics / f64::max(count, 1.0)
     }
 
+    /// Returns the mean number of bodies that exist at an instant of a time (s), told by some of the bodies: of those that
+    /// may be part of a pair.
+    pub(crate) fn mean_present(&self, (from, to): (f64, f64)) -> f64 {
+        let shares = self.sample((from, to)).map(|entry| {
+            let domain = entry.body.trajectory.domain();
+            (to.min(domain.end()) - from.max(domain.start())) / (to - from)
+        });
+        let slots = self.slots.len();
+        let sampled = slots.clamp(1, Self::SAMPLE);
+        shares.sum::<f64>() * (as_f64(slots) / as_f64(sampled))
+    }
+
     /// Returns the common velocity (m/s) of most bodies within a time (s): the median of their mean
     /// velocities. Zero if speeds relative to it are hardly smaller.
     pub(crate) fn common_velocity(&self, window: (f64, f64)) -> DVec3 {

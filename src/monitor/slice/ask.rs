@@ -2,7 +2,6 @@
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
-use crate::count::short;
 use crate::monitor::bodies::{BodyTable, form};
 use crate::narrow_phase::approaching;
 use crate::simd::prefetch;
@@ -53,7 +52,7 @@ impl BoxIndex {
         let fat_lines = &mut self.fat_lines;
         fat_lines.resize(bodies.monitored.len(), LookaheadSlice::NO_FAT_LINE);
         let mut listed = Vec::new();
-        let slots = 0..short(bodies.monitored.len());
+        let slots = bodies.present(0..bodies.monitored.len(), (from, to));
         bodies.boxes(slots, &[from, to], &mut |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);

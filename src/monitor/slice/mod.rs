@@ -8,7 +8,7 @@ mod state;
 use super::bodies::BodyTable;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
-use crate::count::{as_f64, short, whole};
+use crate::count::{as_f64, whole};
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -348,7 +348,7 @@ impl LookaheadSlice {
     /// time; returns the slot that comes next.
     fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
-        let slots = short(first)..short(until);
+        let slots = bodies.present(first..until, self.interval);
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
