@@ -10,10 +10,12 @@
 )]
 
 use nearmiss::glam::DVec3;
+use nearmiss::internals::QueryInternals;
 use nearmiss::{
     AlertLevel, Body, Hitbox, Monitor, Outside, Query, Scene, State, Trajectory, Window,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::num::NonZeroU32;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 struct Counting;
@@ -96,7 +98,9 @@ fn of_screening(segments: u32, outside: Outside) -> f64 {
     }
     let before = USED.load(Ordering::Relaxed);
     let window = Window::new(0.0, 100.0).unwrap();
-    scene.screen(&Query::new(window)).unwrap();
+    // Equally many: the memory of a search is kept, and differs with their number.
+    let query = Query::new(window).with_slices(NonZeroU32::new(4).unwrap());
+    scene.screen(&query).unwrap();
     share(before, BODIES)
 }
 

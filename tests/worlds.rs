@@ -399,3 +399,54 @@ fn a_jump_at_the_end_of_the_window() {
         }
     }
 }
+
+/// Only relative motion matters: a convoy is searched in as many slices as the same bodies without the common motion,
+/// whether they are told by states or follow plans.
+#[test]
+fn a_convoy_is_searched_as_if_it_stood() {
+    const LOOKAHEAD: f64 = 15.0;
+    let slices = |common: DVec3, has_plans: bool| {
+        let mut rng = rng(83);
+        let mut scene = Scene::new();
+        for _ in 0..1_000 {
+            let (place, own) = (vector(&mut rng, 100.0), vector(&mut rng, 1.0));
+            let state = |time: f64| {
+                // The plans bend a little.
+                let bend = (0.3 * time).sin() * own;
+                State::new(
+                    time,
+                    place + time * (own + common) + bend,
+                    own + common + (0.3 * time).cos() * 0.3 * own,
+                )
+            };
+            let plan = if has_plans {
+                let states: Vec<State> = (0..=8)
+                    .map(|knot| state(0.25 * LOOKAHEAD * f64::from(knot)))
+                    .collect();
+                Trajectory::from_states(&states).unwrap()
+            } else {
+                Trajectory::coasting(State::new(0.0, place, own + common)).unwrap()
+            };
+            scene.insert(Body::new(plan)).unwrap();
+        }
+        let query = Query::new(Window::new(0.0, LOOKAHEAD).unwrap()).with_margin(6.0);
+        let monitor = Monitor::new(scene.clone(), 0.0, LOOKAHEAD, &[AlertLevel::at(6.0)]);
+        let mut monitor = monitor.unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        [
+            scene.screen(&query).unwrap().stats.slices,
+            monitor.stats().slices,
+        ]
+    };
+    for has_plans in [false, true] {
+        let standing = slices(DVec3::ZERO, has_plans);
+        for speed in [30.0, 300.0, 7_500.0] {
+            let moving = slices(DVec3::new(speed, 0.3 * speed, 0.0), has_plans);
+            let few = standing.map(|count| 2 * count);
+            assert!(
+                moving[0] <= few[0] && moving[1] <= few[1],
+                "{speed}: {moving:?} {standing:?}"
+            );
+        }
+    }
+}

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
 use super::grid::{Grid, GridReview, SceneEstimate};
-use super::lookahead::{LookaheadSearch, push_once};
+use super::lookahead::push_once;
 use super::monitored_bodies::MonitoredBody;
 use super::pending_change::ChangeContext;
 use super::read::LevelCaches;
@@ -410,7 +410,7 @@ impl Monitor {
 
     /// Drops all state derived from the scene, and starts again on this grid.
     pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
-        let renewed = LookaheadSearch::new(grid, self.search.max_spans);
+        let renewed = self.search.anew(grid);
         let before = std::mem::replace(&mut self.search, renewed);
         if let Err(error) = self.prepare_all_bodies() {
             self.search = before;

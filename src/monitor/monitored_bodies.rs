@@ -85,13 +85,17 @@ impl MonitoredBody {
         Ok(())
     }
 
-    /// Takes a motion that [replaces](Trajectory::replace_checked) the last one of the plan, over `window`: it is
-    /// followed there, without pieces beyond it.
+    /// Takes a motion that [replaces](Trajectory::replace_checked) the last one of the plan, and follows it over `window`.
     #[inline]
     pub(super) fn replace(&mut self, trajectory: &Trajectory, last: LastMotion, window: Window) {
         self.take_knots(trajectory, window);
         self.last = last;
         self.is_endless = true;
+        self.is_extended = window.end() >= self.ends.1;
+        self.beyond = (0, 0);
+        if self.is_extended {
+            (self.beyond.1, self.ends.1) = trajectory.pieces_after(window.end());
+        }
     }
 
     /// Takes the facts about a plan between its knots.
@@ -116,7 +120,7 @@ impl MonitoredBody {
     /// what ended before another one (s) is dropped, and is followed over `window` then.
     #[inline]
     fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
-        !self.is_extended && self.last.is_replaced_by(motion, times, self.ends, window)
+        self.beyond.0 == 0 && self.last.is_replaced_by(motion, times, self.ends.0, window)
     }
 
     /// Follows a plan beyond its knots up to an instant (s), if its knots do not reach that far; and then far beyond

@@ -54,6 +54,7 @@ impl Monitor {
                 .map(|slot| !self.plan_ends.has(slot))
                 .collect(),
             has_reported_all: self.has_reported_all(),
+            was_unknown: self.search.was_unknown(),
         }
     }
 
@@ -115,9 +116,13 @@ impl Monitor {
         check_setting("history", snapshot.history)?;
         monitor.now = without_negative_zero(now);
         monitor.known = reported;
+        if snapshot.was_unknown {
+            monitor.search.note_unknown();
+        }
         if snapshot.has_reported_all {
-            // All of it has been reported.
-            monitor.advance_to(now, now + lookahead, &mut Vec::new())?;
+            // All of it has been reported, and there was room for it.
+            monitor.search.max_spans = usize::MAX;
+            monitor.advance(now, &mut Vec::new())?;
         }
         monitor.revision_threshold = snapshot.revision_threshold;
         monitor.history = snapshot.history;

@@ -65,7 +65,7 @@ impl<'a> PreparedScene<'a> {
         let asked = query.window().or_else(|| scene.planned()).or(nothing);
         let asked = asked.ok_or(Error::NoPlan)?;
         let partners = scene.partners(margin);
-        let mut survey = SceneSurvey::of(scene.len(), asked, margin);
+        let mut survey = SceneSurvey::of(scene, asked, margin);
         let mut ids = Vec::with_capacity(scene.len());
         let mut entries = Vec::with_capacity(scene.len());
         let mut extensions = Vec::new();
@@ -82,7 +82,7 @@ impl<'a> PreparedScene<'a> {
             entries.push(entry);
             extensions.extend(extension.map(|extension| (place, extension)));
         }
-        let frame = survey.frame(scene);
+        let frame = survey.complete(scene);
         let mut prepared = Self {
             ids,
             entries,
@@ -144,6 +144,12 @@ impl<'a> PreparedScene<'a> {
 
     #[inline]
     pub(super) fn extension(&self, place: usize) -> Option<&Extension> {
+        // All bodies have one, or few have.
+        if let Some((other, extension)) = self.extensions.get(place)
+            && *other == place
+        {
+            return Some(extension);
+        }
         let of_place = |(other, _): &(usize, Extension)| other.cmp(&place);
         let extension = self.extensions.binary_search_by(of_place);
         extension.ok().map(|number| &self.extensions[number].1)

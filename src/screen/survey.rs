@@ -14,6 +14,10 @@ use glam::DVec3;
 pub(super) struct SceneSurvey {
     window: Window,
     margin: f64,
+    /// Velocity of the frame of all boxes, m/s: paths are relative to it.
+    velocity: DVec3,
+    /// Length of a plan's path relative to the frame, in lengths of its path: that of some plans together.
+    share_of_path: f64,
     /// Existence of each body, by place, and of all (first and last instant, s). A body that is part of no
     /// pair never exists.
     pub(super) lives: Vec<(f64, f64)>,
@@ -32,12 +36,15 @@ pub(super) struct SceneSurvey {
 }
 
 impl SceneSurvey {
-    /// Returns a survey before any of `count` bodies is included.
-    pub(super) fn of(count: usize, window: Window, margin: f64) -> Self {
+    /// Returns a survey before any body of the scene is included.
+    pub(super) fn of(scene: &Scene, window: Window, margin: f64) -> Self {
+        let velocity = scene.common_velocity(window.ends());
         Self {
             window,
             margin,
-            lives: vec![(0.0, 0.0); count],
+            velocity,
+            share_of_path: share_of_path(scene, window, velocity),
+            lives: vec![(0.0, 0.0); scene.len()],
             all_lifetimes: (f64::INFINITY, f64::NEG_INFINITY),
             plans: DAabb::NOTHING,
             beyond: DAabb::NOTHING,
@@ -93,7 +100,8 @@ impl SceneSurvey {
             let plan = entry.summary();
             self.plans.include(plan.extremes);
             let cubics = short(body.trajectory.cubics().len());
-            self.statistics.add(own, window, (plan.path, cubics));
+            let path = self.share_of_path * plan.path;
+            self.statistics.add(own, window, (path, cubics));
         }
         if let Some(extension) = extension {
             let plan = &body.trajectory;
@@ -103,7 +111,11 @@ impl SceneSurvey {
             }
             if extension.after > 0 {
                 let ends = (own.1, last.min(self.window.end()));
-                self.count_beyond(&plan.segment_after(), ends, extension.after);
+                if let Some(motion) = motions.last() {
+                    self.count_straight(motion, ends);
+                } else {
+                    self.count_beyond(&plan.segment_after(), ends, extension.after);
+                }
             }
         }
     }
@@ -121,7 +133,7 @@ impl SceneSurvey {
             let time = to - from;
             self.statistics.body_time += time;
             if time > 0.0 {
-                self.statistics.path += motion.velocity().length() * time;
+                self.statistics.path += (motion.velocity() - self.velocity).length() * time;
                 self.statistics.segments += 1.0;
             }
         }
@@ -135,26 +147,59 @@ impl SceneSurvey {
             self.beyond.include(DAabb::of_point(position));
         }
         let window = (self.window.start(), self.window.end());
-        self.statistics
-            .add((from, to), window, (begin.distance(end), pieces));
+        let path = (end - begin - self.velocity * (to - from)).length();
+        self.statistics.add((from, to), window, (path, pieces));
     }
 
-    /// Returns a frame for all bodies that exist in the window, centred on most of them.
-    pub(super) fn frame(&self, scene: &Scene) -> MovingFrame {
-        let window = (self.window.start(), self.window.end());
+    /// Returns a frame for all bodies that exist in the window, centred on most of them. Completes the statistics.
+    pub(super) fn complete(&mut self, scene: &Scene) -> MovingFrame {
+        let window = self.window.ends();
         let some = scene.sample(window);
         let mut positions: Vec<DVec3> = some.map(|one| one.extremes().middle()).collect();
         let most = DAabb::of_middle_half(&mut positions);
         let mut extremes = self.plans;
         extremes.include(self.beyond);
-        Frame::amid(extremes, most, self.size).moving(scene.common_velocity(window))
+        let world = self.world(scene);
+        self.statistics.world = (world.high - world.low).to_array();
+        Frame::amid(extremes, most, self.size).moving(self.velocity)
+    }
+
+    /// Returns a box around most bodies at a time, m. In a moving frame, plans reach farther than that.
+    fn world(&self, scene: &Scene) -> DAabb {
+        if self.velocity == DVec3::ZERO {
+            return self.plans;
+        }
+        let mut world = DAabb::NOTHING;
+        for entry in scene.sample(self.window.ends()) {
+            let plan = &entry.body.trajectory;
+            let time = self.window.start().max(plan.domain().start());
+            if let Some(position) = plan.position(time) {
+                world.include(DAabb::of_point(position - self.velocity * time));
+            }
+        }
+        world
     }
 
     /// Returns the statistics of motion in the window.
-    pub(super) fn statistics(&self) -> SceneStatistics {
-        SceneStatistics {
-            world: (self.plans.high - self.plans.low).to_array(),
-            ..self.statistics
+    pub(super) const fn statistics(&self) -> SceneStatistics {
+        self.statistics
+    }
+}
+
+/// Returns the length of the paths of some plans relative to a velocity (m/s), in lengths of their paths.
+fn share_of_path(scene: &Scene, window: Window, velocity: DVec3) -> f64 {
+    /// Pieces of a plan that tell enough.
+    const SOME: usize = 32;
+    let (mut relative, mut all) = (0.0, 0.0);
+    if velocity != DVec3::ZERO {
+        for entry in scene.sample(window.ends()) {
+            for segment in entry.body.trajectory.cubics().iter().take(SOME) {
+                let [begin, end] = [segment.start(), segment.end()];
+                let way = segment.motion_at(end).0 - segment.motion_at(begin).0;
+                relative += (way - velocity * (end - begin)).length();
+                all += segment.extent();
+            }
         }
     }
+    if all > 0.0 { relative / all } else { 1.0 }
 }

@@ -109,14 +109,28 @@ impl Trajectory {
     pub(crate) fn lengthen(&self, extension: &mut Extension, end: f64) -> Result<(), Error> {
         let known = extension.after;
         let (mut after, mut from) = (known, extension.domain.1);
-        let mut segment = None;
+        let (mut segment, knot) = (None, self.knots().len().saturating_sub(1));
         for cut in self.cuts_after(end).skip(known as usize) {
-            let segment = segment.get_or_insert_with(|| self.segment_after());
-            segment.check_followable((from, cut), self.knots().len() - 1)?;
+            if let Some(motion) = self.straight_motions().last() {
+                motion.check_followable((from, cut), knot)?;
+            } else {
+                let segment = segment.get_or_insert_with(|| self.segment_after());
+                segment.check_followable((from, cut), knot)?;
+            }
             (after, from) = (after + 1, cut);
         }
         (extension.after, extension.domain.1) = (after, from);
         Ok(())
+    }
+
+    /// Returns the number of pieces after the listed ones up to an instant (s) at or beyond which the listed ones end, and the
+    /// end of the last of them (s). They are not checked as those of an [extension](Self::extension) are.
+    #[inline]
+    pub(crate) fn pieces_after(&self, end: f64) -> (u32, f64) {
+        let cuts = self.cuts_after(end).zip(1..);
+        cuts.fold((0, self.listed_domain().end()), |_, (cut, number)| {
+            (number, cut)
+        })
     }
 
     /// Returns the cuts before the first knot up to the first one at or beyond a window's start

@@ -131,7 +131,7 @@ impl RecentMotions {
         }
         let end = cut_after(without_negative_zero(from), motion, 1);
         self.append(&Replacement { dropped, kept, end }, from, motion);
-        // `is_replaced_by` has checked that the motion can be followed for all of its first piece.
+        // `is_replaced_by` has checked that the motion can be followed for all of its first piece, and longer.
         self.facts()
     }
 
@@ -220,6 +220,9 @@ impl RecentMotions {
 
     #[inline]
     fn facts(&self) -> LastMotion {
+        if self.last().duration() < LastMotion::IN_ONE_PIECE {
+            return LastMotion::NONE;
+        }
         LastMotion {
             full_until: if self.pieces() < Self::ROOM {
                 f64::NEG_INFINITY
@@ -258,6 +261,10 @@ pub(crate) struct LastMotion {
 }
 
 impl LastMotion {
+    /// Time for which each of these motions goes on in one piece, s: less than all but the rounding of the duration of its
+    /// cubic.
+    const IN_ONE_PIECE: f64 = 0.9 * StraightMotion::DURATION;
+
     pub(crate) const NONE: Self = Self {
         full_until: 0.0,
         knot: f64::NAN,
@@ -266,25 +273,27 @@ impl LastMotion {
 
     /// Returns true if a motion certainly [replaces](super::Trajectory::replace_checked) the last one at `from` (s),
     /// after what ended before `since` (s) is dropped. There is room, and the last motion goes on in one piece from
-    /// its knot to `from`. The new motion differs from it, and its first piece lasts for all of `window`. `ends`: the
-    /// first and the last [knot of its pieces](super::Trajectory::piece_knots), s.
+    /// its knot to `from`. The new motion differs from it, and can be followed in all pieces that cover `window`.
+    /// `first_knot`: the first one (s) of the trajectory.
     #[inline]
     pub(crate) fn is_replaced_by(
         &self,
         motion: &StraightMotion,
         (from, since): (f64, f64),
-        ends: (f64, f64),
+        first_knot: f64,
         window: Window,
     ) -> bool {
-        let end = from + motion.duration();
+        // Each piece is twice as long as the one before it.
+        let end = from + 2.0 * (window.end() - from).max(0.0) + motion.duration();
+        let is_resolved = motion.duration() > 2.0 * f64::EPSILON * from.abs();
         let is_other = (motion.start() - self.start).abs() > 0.0 && motion.moves();
         is_other
-            && ends.0 < window.start()
+            && first_knot < window.start()
             && self.full_until < since
             && self.knot < from
-            && from <= ends.1
+            && from - self.knot <= Self::IN_ONE_PIECE
             && motion.start() <= from
-            && window.end() < end
+            && is_resolved
             && motion.is_near(from, end)
     }
 }

@@ -388,9 +388,10 @@ mod tests {
     /// A plan replaced in place is what one with lists is, wherever there is room for it.
     #[test]
     fn what_is_replaced_in_place_is_the_same_plan() {
-        let window = |from: f64| Window::new(from - 1.0, from + 5.0).unwrap_or(Window::ALL);
-        let (mut in_place, mut in_lists, mut checked) = (0, 0, 0);
+        let (mut in_place, mut in_lists, mut checked, mut extended) = (0, 0, 0, 0);
         for round in 0..200_u32 {
+            let ahead = [5.0, 7.0, 100.0, 1e6][(round % 4) as usize];
+            let window = |from: f64| Window::new(from - 1.0, from + ahead).unwrap_or(Window::ALL);
             let mut one = plan(&[0.0, 1.0, 2.0], Outside::Coast);
             let mut other = one.clone();
             let mut now = 2.0;
@@ -407,10 +408,9 @@ mod tests {
                 };
                 assert!(one.can_replace(now, &motion, window(now)));
                 assert!(other.can_replace(now, &motion, window(now)));
-                let cuts = one.piece_knots();
-                let ends = (cuts[0], cuts[cuts.len() - 1]);
+                let first = one.piece_knots()[0];
                 let last = one.last_motion();
-                let is_checked = last.is_replaced_by(&motion, (now, since), ends, window(now));
+                let is_checked = last.is_replaced_by(&motion, (now, since), first, window(now));
                 if is_checked {
                     checked += 1;
                     assert!(one.domain().contains(now) && !one.follows(&motion, now));
@@ -421,6 +421,12 @@ mod tests {
                     assert_eq!(last, one.last_motion());
                 } else {
                     one.replace(now, &motion, since);
+                }
+                if is_checked && let Ok(extension) = one.extension(window(now)) {
+                    let after = extension.map(|extension| (extension.after, extension.domain.1));
+                    let own = (0, one.piece_knots().last().copied().unwrap_or_default());
+                    assert_eq!(after.unwrap_or(own), one.pieces_after(now + ahead));
+                    extended += usize::from(after.is_some());
                 }
                 let is_kept = memory == one.straight_motions().as_ptr();
                 assert!(is_kept || !is_checked);
@@ -439,9 +445,9 @@ mod tests {
                 }
             }
         }
-        let counts = [in_place, in_lists, checked];
+        let counts = [in_place, in_lists, checked, extended];
         assert!(
-            in_place > 5_000 && in_lists > 200 && checked > 1_000,
+            in_place > 5_000 && in_lists > 200 && checked > 1_000 && extended > 500,
             "{counts:?}"
         );
     }

@@ -4,7 +4,7 @@ use super::scenarios::tick;
 use super::support::{line, rng, vector};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Encounter, EndReason, Error, Event, EventKind, Monitor, Scene,
+    AlertLevel, Body, BodyId, Encounter, EndReason, Error, Event, EventKind, Monitor, Scene, State,
     Trajectory,
 };
 use rand::RngExt;
@@ -54,6 +54,54 @@ fn a_restored_monitor_knows_what_is_said_of_it() {
             assert_eq!(known(restored), known(&monitor));
         }
     }
+}
+
+/// Boxes that would be of no use in the next tick are not formed: where all bodies are told in each frame.
+#[test]
+fn a_restored_monitor_goes_on_as_the_other_one_did() {
+    let mut rng = rng(37);
+    let mut scene = Scene::new();
+    let mut states: Vec<(DVec3, DVec3)> = (0..500)
+        .map(|_| (vector(&mut rng, 50.0), vector(&mut rng, 5.0)))
+        .collect();
+    let coasting = |now: f64, (place, velocity): (DVec3, DVec3)| State::new(now, place, velocity);
+    let ids: Vec<BodyId> = states
+        .iter()
+        .map(|&one| {
+            let plan = Trajectory::coasting(coasting(0.0, one)).unwrap();
+            scene.insert(Body::new(plan)).unwrap()
+        })
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(2.0)]).unwrap();
+    tick(&mut monitor, 0.0);
+    let first = Monitor::restore(monitor.snapshot()).unwrap();
+    // Those of all slices, at least three and one ahead.
+    let keeps_boxes = |monitor: &Monitor| monitor.stats().boxes > 3 * 500;
+    let now = |frame: u32| 0.125 * f64::from(frame);
+    for frame in 1..40 {
+        let told = frame < 10;
+        if told {
+            for (place, velocity) in &mut states {
+                *place += 0.125 * *velocity;
+                *velocity = vector(&mut rng, 5.0);
+            }
+            let states = states.iter().map(|&one| coasting(now(frame), one));
+            monitor
+                .track(now(frame), ids.iter().copied().zip(states))
+                .unwrap();
+        }
+        tick(&mut monitor, now(frame));
+        let restored = Monitor::restore(monitor.snapshot()).unwrap();
+        if told || frame > 30 {
+            assert_eq!(keeps_boxes(&restored), !told, "{frame}");
+        }
+        assert_eq!(
+            restored.conflicts(0).unwrap(),
+            monitor.conflicts(0).unwrap()
+        );
+    }
+    // All was unknown a tick before.
+    assert!(!keeps_boxes(&first));
 }
 
 /// Encounters of bodies that are removed end alike, in whichever order these go.

@@ -101,7 +101,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(rng: &mut ChaCha8Rng, start: f64) -> Self {
+    pub(super) fn new(rng: &mut ChaCha8Rng, start: f64, lookahead: f64) -> Self {
         let mut scene = Scene::new();
         let (mut ids, mut followed) = (Vec::new(), BTreeMap::new());
         for tag in 0..BODIES {
@@ -113,7 +113,7 @@ impl Pair {
             followed.extend(line.map(|line| (id, line)));
         }
         let monitor = |scene: &Scene| {
-            with_every_change(Monitor::new(scene.clone(), start, LOOKAHEAD, &LEVELS).unwrap())
+            with_every_change(Monitor::new(scene.clone(), start, lookahead, &LEVELS).unwrap())
         };
         Self {
             tracked: monitor(&scene),
@@ -315,7 +315,9 @@ fn restored(monitor: &Monitor) -> Monitor {
 fn life(seed: u64, seen: &mut Seen) {
     let mut rng = rng(seed);
     let start = [0.0, 1e3, -7.0][rng.random_range(0..3)];
-    let mut pair = Pair::new(&mut rng, start);
+    // Where a state is not followed in one piece, too.
+    let lookahead = [LOOKAHEAD, 7.0, 40.0][rng.random_range(0..3)];
+    let mut pair = Pair::new(&mut rng, start, lookahead);
     if rng.random_bool(0.3) {
         for monitor in [&mut pair.tracked, &mut pair.replanned] {
             monitor.set_history(0.3).unwrap();
@@ -324,7 +326,7 @@ fn life(seed: u64, seen: &mut Seen) {
     #[cfg(feature = "recording")]
     let recording = Recording::of(&mut pair.tracked);
     let mut said = Vec::new();
-    let mut reference = Reference::new(&LEVELS, start, LOOKAHEAD);
+    let mut reference = Reference::new(&LEVELS, start, lookahead);
     let mut ledger = Ledger::default();
     let mut third: Option<Monitor> = None;
     for tick in 0..60_u32 {
@@ -395,7 +397,7 @@ fn life(seed: u64, seen: &mut Seen) {
                 seen.conflicts += found.len();
             }
         }
-        seen.known_short += usize::from(known < next + LOOKAHEAD);
+        seen.known_short += usize::from(known < next + lookahead);
         said.append(&mut events);
     }
     seen.events += said.len();

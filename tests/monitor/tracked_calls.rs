@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// A life of some ticks; the same each time.
 fn started() -> Pair {
     let (mut rng, mut seen) = (rng(431), Seen::default());
-    let mut pair = Pair::new(&mut rng, 0.0);
+    let mut pair = Pair::new(&mut rng, 0.0, LOOKAHEAD);
     for tick in 1..20 {
         let next = 0.05 * f64::from(tick);
         pair.tell_any(&mut rng, next, &mut seen);
@@ -390,7 +390,7 @@ fn extreme_states_are_refused_or_followed_alike() {
     let (mut taken, mut refused, mut failed) = (0, 0, 0);
     for seed in 451..471 {
         let mut rng = rng(seed);
-        let mut pair = Pair::new(&mut rng, 0.0);
+        let mut pair = Pair::new(&mut rng, 0.0, LOOKAHEAD);
         for tick in 1..30 {
             let now = 0.05 * f64::from(tick);
             for _ in 0..3 {

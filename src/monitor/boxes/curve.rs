@@ -5,36 +5,75 @@ use crate::broad_phase::BodyBox;
 use parry3d::bounding_volume::Aabb;
 
 /// A curve through space on which what is near in place is near in space.
+///
+/// Cells are equally long as far as most boxes reach from their median, and twice as long from each doubling of that
+/// distance to the next: a few boxes far away leave cells enough for the others.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MortonOrder {
-    low: [f32; 3],
+    median: [f32; 3],
+    /// One over the distance from the median within which cells are equally long.
     scale: [f32; 3],
+    /// Cells for each doubling of the distance.
+    cells: [f32; 3],
 }
 
+/// Cells on either side of the median.
+const HALF: f32 = 512.0;
+
 impl MortonOrder {
+    /// Boxes that tell where most are.
+    const SAMPLE: usize = 64;
+
     /// Returns the order through all of some boxes.
     pub(super) fn through(boxes: &[(u32, BodyBox)]) -> Self {
         let each = boxes.iter().map(|(_, body)| corners(&body.aabb));
         let (low, high) = each.reduce(merged).unwrap_or_default();
-        Self {
-            low,
-            scale: [0, 1, 2].map(|axis| {
-                let side = high[axis] - low[axis];
-                // 10 bits an axis.
-                1023.0 / if side > 0.0 { side } else { 1.0 }
-            }),
+        let step = boxes.len().div_ceil(Self::SAMPLE).max(1);
+        let mut order = Self::default();
+        for axis in 0..3 {
+            let some = boxes.iter().step_by(step);
+            let mut some: Vec<f32> = some.map(|(_, body)| middle(&body.aabb, axis)).collect();
+            some.sort_unstable_by(f32::total_cmp);
+            let at = |eighths: usize| some.get(some.len() * eighths / 8).copied();
+            let [Some(first), Some(median), Some(last)] = [1, 4, 7].map(at) else {
+                continue;
+            };
+            let farthest = (high[axis] - median).max(median - low[axis]);
+            // Of boxes at even distances, three quarters lie between these eighths.
+            let most = 4.0 / 3.0 * (last - median).max(median - first);
+            let most = if most > 0.0 { most } else { farthest };
+            order.median[axis] = median;
+            order.scale[axis] = 1.0 / if most > 0.0 { most } else { 1.0 };
+            let doublings = doublings(farthest * order.scale[axis]);
+            order.cells[axis] = HALF / if doublings > 0.0 { doublings } else { 1.0 };
         }
+        order
     }
 
     /// Returns the code of a box's middle on the curve.
     #[inline(always)]
     pub(super) fn code(&self, aabb: &Aabb) -> u32 {
-        let (low, high) = corners(aabb);
         morton([0, 1, 2].map(|axis| {
-            let middle = 0.5 * low[axis] + 0.5 * high[axis];
-            cell((middle - self.low[axis]) * self.scale[axis])
+            let place = (middle(aabb, axis) - self.median[axis]) * self.scale[axis];
+            let away = (doublings(place.abs()) * self.cells[axis]).copysign(place);
+            cell(HALF + away)
         }))
     }
+}
+
+/// Returns the middle of a box on an axis, the first one numbered 0.
+#[inline(always)]
+fn middle(aabb: &Aabb, axis: usize) -> f32 {
+    0.5 * aabb.mins[axis] + 0.5 * aabb.maxs[axis]
+}
+
+/// Returns the binary logarithm of one and a distance (at least 0), with a straight line from each power of two to the next.
+#[inline(always)]
+#[allow(clippy::cast_precision_loss, reason = "cells are far longer")]
+fn doublings(distance: f32) -> f32 {
+    const ONE: u32 = 1.0_f32.to_bits();
+    const DOUBLING: f32 = (1 << (f32::MANTISSA_DIGITS - 1)) as f32;
+    (1.0 + distance).to_bits().wrapping_sub(ONE) as f32 / DOUBLING
 }
 
 #[allow(
@@ -55,4 +94,30 @@ fn morton(cell: [u32; 3]) -> u32 {
         (bits | bits << 2) & 0x0924_9249
     };
     spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MortonOrder;
+    use crate::broad_phase::BodyBox;
+    use parry3d::bounding_volume::Aabb;
+    use std::collections::BTreeSet;
+
+    fn boxed(place: [f32; 3]) -> (u32, BodyBox) {
+        let aabb = Aabb::new(place.into(), place.into());
+        (0, BodyBox { aabb, body: 0 })
+    }
+
+    /// One body that is far away, on either side, does not put all others into one cell.
+    #[test]
+    fn boxes_far_away_leave_cells_for_the_others() {
+        let near = |number: u16| [number % 10, number / 10 % 10, number / 100].map(f32::from);
+        for away in [0.0, 1e3, -1e6, 1e9, -1e30, f32::INFINITY] {
+            let mut boxes: Vec<_> = (0..1000).map(|number| boxed(near(number))).collect();
+            boxes.push(boxed([away; 3]));
+            let order = MortonOrder::through(&boxes);
+            let codes: BTreeSet<u32> = boxes.iter().map(|(_, one)| order.code(&one.aabb)).collect();
+            assert!(codes.len() > 300, "{away}: {}", codes.len());
+        }
+    }
 }

@@ -7,7 +7,7 @@ use super::super::budget::BudgetMeter;
 pub(super) const FEW_TICKS: u32 = 8;
 
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::monitor) struct AffordableLookahead {
     /// Share of the lookahead, beyond the clock.
     share: f64,

@@ -3,6 +3,7 @@
 
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
+use super::super::grid::Grid;
 use super::super::prepared::PreparedBodies;
 use super::affordable::FEW_TICKS;
 use super::{LookaheadSearch, LookaheadSlice};
@@ -67,14 +68,33 @@ impl LookaheadSearch {
             && is_more(search_slices + CUBIC * scene.cubics_of_a_plan((from, to)))
     }
 
+    /// Returns a search on a grid that knows nothing, and goes on as this one would.
+    pub(in crate::monitor) fn anew(&self, grid: Grid) -> Self {
+        Self {
+            since_unknown: self.since_unknown,
+            affordable: self.affordable,
+            ..Self::new(grid, self.max_spans)
+        }
+    }
+
+    /// Returns true if most was unknown in one of the last few ticks.
+    pub(in crate::monitor) const fn was_unknown(&self) -> bool {
+        self.since_unknown < FEW_TICKS
+    }
+
+    /// Notes that most was unknown in the last tick.
+    pub(in crate::monitor) const fn note_unknown(&mut self) {
+        self.since_unknown = 0;
+    }
+
     /// Returns true if a lookahead is to be searched from nothing: [many bodies have changed](Self::have_many_changed), or
     /// [most is unknown](Self::is_mostly_unknown), and so it was a few ticks before, so that kept boxes would not pay; or so
     /// it was a few ticks before, something has changed, and none of the needed slices has boxes. (All is unknown at the
     /// first tick of a monitor. That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(&mut self, have_many_changed: bool, needed: usize) -> bool {
-        let is_soon = self.since_unknown < FEW_TICKS;
+        let is_soon = self.was_unknown();
         if have_many_changed || self.is_mostly_unknown(needed) {
-            self.since_unknown = 0;
+            self.note_unknown();
             return is_soon;
         }
         self.since_unknown = self.since_unknown.saturating_add(1);
