@@ -162,39 +162,27 @@ pub(super) fn form(
 #[derive(Debug, Default)]
 pub(super) struct ChangedBounds {
     slots: Vec<u32>,
-    /// Batches: as many as are needed, and unused ones.
-    chunks: Vec<ChangedBatch>,
-}
-
-/// Bounds that one thread forms at a time.
-#[derive(Debug, Default)]
-struct ChangedBatch {
-    /// Place of its first body in the list of all.
-    first: usize,
-    /// Boxes and fat lines, by slice.
-    boxes: Vec<Vec<(BodyBox, FatLine)>>,
+    /// Boxes and fat lines by batch of bodies and by slice: as many batches as are needed, and unused ones.
+    batches: Vec<Vec<Vec<(BodyBox, FatLine)>>>,
 }
 
 impl ChangedBounds {
-    const CHUNK: usize = 64;
+    /// Number of bodies that one thread forms at a time.
+    const BATCH: usize = 64;
 
     /// Forms those of these bodies in all slices.
     pub(super) fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
         self.slots.clear();
         self.slots.extend_from_slice(slots);
-        let count = slots.len().div_ceil(Self::CHUNK);
-        while self.chunks.len() < count {
-            self.chunks.push(ChangedBatch {
-                first: self.chunks.len() * Self::CHUNK,
-                ..ChangedBatch::default()
-            });
+        let count = slots.len().div_ceil(Self::BATCH);
+        if self.batches.len() < count {
+            self.batches.resize_with(count, Vec::new);
         }
         let few = (slots.len() * (ends.len() - 1), FEW_BOXES);
-        parallel::for_each_chunk(&mut self.chunks[..count], 1, few, |_, chunks| {
-            for chunk in chunks {
-                let end = slots.len().min(chunk.first + Self::CHUNK);
-                chunk.form(bodies, &slots[chunk.first..end], ends);
-            }
+        parallel::for_each_chunk(&mut self.batches[..count], 1, few, |number, batch| {
+            let slots = &slots[number * Self::BATCH..];
+            let slots = &slots[..slots.len().min(Self::BATCH)];
+            form_batch(bodies, slots, ends, &mut batch[0]);
         });
     }
 
@@ -205,26 +193,30 @@ impl ChangedBounds {
 
     /// Returns the boxes and fat lines in a slice, in the order of the bodies.
     pub(super) fn of(&self, slice: usize) -> impl Iterator<Item = &(BodyBox, FatLine)> {
-        let count = self.slots.len().div_ceil(Self::CHUNK);
-        let chunks = self.chunks[..count].iter();
-        chunks.flat_map(move |chunk| &chunk.boxes[slice])
+        let count = self.slots.len().div_ceil(Self::BATCH);
+        let batches = self.batches[..count].iter();
+        batches.flat_map(move |by_slice| &by_slice[slice])
     }
 }
 
-impl ChangedBatch {
-    fn form(&mut self, bodies: &BodyTable<'_>, slots: &[u32], ends: &[f64]) {
-        let slices = ends.len() - 1;
-        if self.boxes.len() < slices {
-            self.boxes.resize_with(slices, Vec::new);
-        }
-        self.boxes.iter_mut().for_each(Vec::clear);
-        let most = MAX_SLICES;
-        for first in (0..slices).step_by(most) {
-            let ends = &ends[first..=slices.min(first + most)];
-            let (slots, boxes) = (slots.iter().copied(), &mut self.boxes[first..]);
-            bodies.boxes(slots, ends, &mut |slice, boxed, fat_line| {
-                boxes[slice].push((boxed, *fat_line));
-            });
-        }
+/// Forms the boxes and fat lines of some bodies by slice, in place of those in the lists.
+fn form_batch(
+    bodies: &BodyTable<'_>,
+    slots: &[u32],
+    ends: &[f64],
+    by_slice: &mut Vec<Vec<(BodyBox, FatLine)>>,
+) {
+    let slices = ends.len() - 1;
+    if by_slice.len() < slices {
+        by_slice.resize_with(slices, Vec::new);
+    }
+    by_slice.iter_mut().for_each(Vec::clear);
+    let most = MAX_SLICES;
+    for first in (0..slices).step_by(most) {
+        let ends = &ends[first..=slices.min(first + most)];
+        let (slots, by_slice) = (slots.iter().copied(), &mut by_slice[first..]);
+        bodies.boxes(slots, ends, &mut |slice, boxed, fat_line| {
+            by_slice[slice].push((boxed, *fat_line));
+        });
     }
 }
