@@ -115,6 +115,11 @@ impl Trial {
         (slice + self.boxes * per_box + candidates * cost::CANDIDATE + near) / factor
     }
 
+    /// Returns the cost of all slices of this length.
+    fn cost_of_all(&self, slices: &TimeSlices<'_>) -> f64 {
+        self.cost(1.0, &Growth::ASSUMED) * f64::from(slices.count())
+    }
+
     /// Returns true if there is room for the candidates of a slice: it need not be divided.
     fn fits(&self, limits: Limits) -> bool {
         !self.is_exceeded && self.candidates < limits.candidates as f64
@@ -155,45 +160,28 @@ impl Trial {
     }
 }
 
-/// Slices of one length, with their trial and its cost for the whole window.
-struct Tried<'p> {
-    slices: TimeSlices<'p>,
-    trial: Trial,
-    cost: f64,
-}
-
-impl<'p> Tried<'p> {
-    fn new(slices: TimeSlices<'p>, trial: Trial) -> Self {
-        let cost = trial.cost(1.0, &Growth::ASSUMED) * f64::from(slices.count());
-        Self {
-            slices,
-            trial,
-            cost,
+/// Returns the cost and the slices of a far longer length that is cheaper than `slices` are at `least`, if there is one.
+/// Where boxes are so long that those of all bodies of a group overlap, there are as many candidates in longer slices,
+/// and so fewer in all.
+fn cheaper_longer<'p>(
+    limits: Limits,
+    (mut slices, mut least): (TimeSlices<'p>, f64),
+    attempt: impl Fn(TimeSlices<'p>) -> Trial,
+) -> Option<(f64, TimeSlices<'p>)> {
+    /// Change of length from one trial to the next, as a factor.
+    const LONGER: f64 = 8.0;
+    let mut cheapest = None;
+    while slices.count() > 1 {
+        slices = slices.with_count(f64::from(slices.count()) / LONGER);
+        let trial = attempt(slices);
+        let cost = trial.cost_of_all(&slices);
+        if cost >= least || !trial.fits(limits) {
+            break;
         }
+        least = cost;
+        cheapest = Some((least, slices));
     }
-
-    /// Returns the cost and the slices of a far longer length that is cheaper, if there is one. Where boxes are so
-    /// long that those of all bodies of a group overlap, there are as many candidates in longer slices, and so fewer in
-    /// all.
-    fn longer(
-        &self,
-        limits: Limits,
-        attempt: impl Fn(TimeSlices<'p>) -> Self,
-    ) -> Option<(f64, TimeSlices<'p>)> {
-        /// Change of length from one trial to the next, as a factor.
-        const LONGER: f64 = 8.0;
-        let mut cheapest = None;
-        let (mut slices, mut least) = (self.slices, self.cost);
-        while slices.count() > 1 {
-            let tried = attempt(slices.with_count(f64::from(slices.count()) / LONGER));
-            if tried.cost >= least || !tried.trial.fits(limits) {
-                break;
-            }
-            (slices, least) = (tried.slices, tried.cost);
-            cheapest = Some((least, slices));
-        }
-        cheapest
-    }
+    cheapest
 }
 
 /// A filter of a sample's pairs by groups alone.
@@ -274,24 +262,21 @@ impl SliceTrials<'_> {
         };
         let attempt = |slices: TimeSlices<'s>| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
-            Tried::new(
-                slices,
-                self.trial(&lifetimes, (&sampled, filter), &slices, whole, cubics),
-            )
+            self.trial(&lifetimes, (&sampled, filter), &slices, whole, cubics)
         };
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices, and those that are far longer than the first ones and cheaper.
         let (mut crowded, mut longer): (Option<(f64, TimeSlices<'s>)>, _) = (None, None);
         let mut expected = f64::INFINITY;
         for number in 0..MAX_TRIALS {
-            let tried = attempt(slices);
+            let trial = attempt(slices);
+            let cost = trial.cost_of_all(&slices);
             let useful = statistics.most_slices(window);
             let count = f64::from(slices.count());
             // Somewhat shorter slices may show no gain, or may not be tried.
-            if number == 0 && (tried.trial.has_many_candidates() || count + 1.0 > useful) {
-                longer = tried.longer(self.limits, attempt);
+            if number == 0 && (trial.has_many_candidates() || count + 1.0 > useful) {
+                longer = cheaper_longer(self.limits, (slices, cost), attempt);
             }
-            let Tried { trial, cost, .. } = tried;
             expected = cost;
             let most = useful.min(spans / trial.near);
             let least = crowded.map_or(f64::INFINITY, |(cost, _)| cost);
