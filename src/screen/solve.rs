@@ -81,13 +81,6 @@ impl<'p> PairQuestion<'p> {
     }
 }
 
-/// The conflicts of consecutive pairs.
-#[derive(Default)]
-struct SolvedPairs {
-    conflicts: Vec<Conflict>,
-    scratch: SolveScratch,
-}
-
 /// Share of the slices in the progress reported.
 pub(super) const SHARE_OF_SLICES: f64 = 0.9;
 
@@ -112,11 +105,11 @@ impl PreparedScene<'_> {
             .collect();
         let chunks: Vec<&[OfPair<'_>]> = pairs.chunks(CHUNK).collect();
         let done_chunks = AtomicUsize::new(0);
-        let solved = parallel::fold(chunks.len(), 1, SolvedPairs::default, |solved, chunk| {
+        let solved = parallel::fold(chunks.len(), 1, Default::default, |share, chunk| {
             if filter.gives_up() {
                 return;
             }
-            let SolvedPairs { conflicts, scratch } = solved;
+            let (conflicts, scratch): &mut (Vec<Conflict>, SolveScratch) = share;
             let chunk = chunks[chunk];
             for (number, survivors) in chunk.iter().enumerate() {
                 fetch(bodies, chunk, number);
@@ -129,11 +122,11 @@ impl PreparedScene<'_> {
             }
         });
         let mut conflicts = Vec::new();
-        for mut some in solved {
+        for (mut some, _) in solved {
             if conflicts.is_empty() {
-                conflicts = some.conflicts;
+                conflicts = some;
             } else {
-                conflicts.append(&mut some.conflicts);
+                conflicts.append(&mut some);
             }
         }
         order(&mut conflicts);
