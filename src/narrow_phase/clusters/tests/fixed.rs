@@ -1,13 +1,14 @@
 //! Omitted pairs change no result: against all pairs of spheres, solved one by one.
 
 use super::super::super::certified::{
-    MarginBand, Workspace, certified_approach, certified_contacts,
+    CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::super::contact::{
-    ClosestSearch, closest_approach, contacts, contacts_of, join, solve,
+    ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
 };
 use super::super::super::profile::{DistanceProfile, NO_CONTACT};
 use super::super::super::sphere_pair::SpherePair;
+use super::vector;
 use crate::accuracy::Accuracy;
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
@@ -51,9 +52,6 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
     let size = 10f64.powf(rng.random_range(-6.0..6.0));
     let far = [0.0, 1e3, 1e8][kind % 3] * size;
     let start = [0.0, 1.7e9][kind / 2 % 2];
-    let vector = |rng: &mut ChaCha8Rng, half: f64| {
-        DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
-    };
     let hitbox = |rng: &mut ChaCha8Rng| {
         // Some are so many that they are put into groups.
         let count = if kind % 97 == 3 { 33..60 } else { 2..30 };
@@ -185,44 +183,75 @@ impl Case {
     fn each(&self, visit: impl FnMut(&SpherePair, Span)) {
         super::each(&self.views(), &self.spans(), Accuracy::Exact, visit);
     }
+
+    fn contacts(&self, window: (f64, f64)) -> Vec<Contact> {
+        let [a, b] = &self.views();
+        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
+        contacts(a, b, spans, self.margin, window, &mut found);
+        found
+    }
+
+    /// Returns the contacts of all pairs, solved one by one.
+    fn contacts_of_all(&self, margin: f64, window: (f64, f64)) -> Vec<Contact> {
+        let mut found = Vec::new();
+        self.each(|pair, span| {
+            let profile = DistanceProfile::of(&pair.cubic);
+            pair.contacts(&profile, span, margin, (window, NO_CONTACT), &mut found);
+        });
+        join(&mut found, 0);
+        found
+    }
+
+    /// Returns what is kept of all spans.
+    fn solved(&self) -> Vec<SolvedSpan> {
+        let [a, b] = &self.views();
+        let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
+        let mut kept = Vec::new();
+        for span in self.spans() {
+            solve(a, b, span, self.margin, whole, |_, one| kept.push(one));
+        }
+        kept
+    }
+
+    fn proofs(&self, window: (f64, f64), workspace: &mut Workspace) -> Vec<CertifiedContact> {
+        let [a, b] = &self.views();
+        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
+        certified_contacts(a, b, spans, self.margin, window, workspace, &mut found);
+        found
+    }
+
+    /// Returns the proofs of all pairs, solved one by one.
+    fn proofs_of_all(&self, window: (f64, f64), all: &mut Workspace) -> Vec<CertifiedContact> {
+        let ([a, b], band) = (&self.views(), self.band());
+        all.clear();
+        self.each(|pair, span| {
+            all.solve(pair, span, &band, window);
+        });
+        let mut found = Vec::new();
+        all.join((a, b), &band, window, &mut found);
+        found
+    }
+}
+
+/// Returns the contacts within a margin in what is kept of spans.
+fn kept_contacts(kept: &[SolvedSpan], margin: f64, window: (f64, f64)) -> Vec<Contact> {
+    let mut found = Vec::new();
+    contacts_of(kept.iter(), margin, window, &mut found);
+    found
 }
 
 #[test]
 fn contacts_are_those_of_all_pairs() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let (mut found, mut expected) = (Vec::new(), Vec::<Contact>::new());
     let (mut several, mut one) = (0, 0);
     for kind in 0..4_000 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.views();
-        found.clear();
-        let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.window, &mut found);
+        let found = case.contacts(case.window);
         one += usize::from(found.len() == 1);
         several += usize::from(found.len() > 1);
         for window in case.windows_at(&found) {
-            found.clear();
-            contacts(
-                a,
-                b,
-                case.spans().into_iter(),
-                case.margin,
-                window,
-                &mut found,
-            );
-            expected.clear();
-            case.each(|pair, span| {
-                let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(
-                    &profile,
-                    span,
-                    case.band().outer,
-                    (window, NO_CONTACT),
-                    &mut expected,
-                );
-            });
-            join(&mut expected, 0);
-            assert_eq!(found, expected, "{kind} {window:?}");
+            let expected = case.contacts_of_all(case.band().outer, window);
+            assert_eq!(case.contacts(window), expected, "{kind} {window:?}");
         }
     }
     assert!(one > 1_000 && several > 100, "{one} {several}");
@@ -232,45 +261,21 @@ fn contacts_are_those_of_all_pairs() {
 #[test]
 fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let (mut kept, mut found, mut expected) = (Vec::new(), Vec::new(), Vec::<Contact>::new());
     let (mut several, mut count, mut all) = (0, 0, 0);
     for kind in 0..2_000 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.views();
-        kept.clear();
-        for span in case.spans() {
-            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
-            solve(a, b, span, case.margin, whole, |_, solved| {
-                kept.push(solved)
-            });
-        }
+        let kept = case.solved();
         count += kept.len();
         all += case.spans().len() * a.spheres.len() * b.spheres.len();
-        found.clear();
-        contacts_of(
-            kept.iter(),
-            case.band().outer,
-            (f64::MIN, f64::MAX),
-            &mut found,
-        );
+        let found = kept_contacts(&kept, case.band().outer, (f64::MIN, f64::MAX));
         let begin = case.start + f64::max(rng.random_range(-0.5..1.0), 0.0);
         let any = (begin, begin + rng.random_range(0.0..1.0));
         for window in case.windows_at(&found).into_iter().chain([any]) {
             let less = case.margin.abs() * rng.random_range(0.0..1.0);
             for margin in [case.band().outer, case.margin - less] {
-                found.clear();
-                contacts_of(kept.iter(), margin, window, &mut found);
-                expected.clear();
-                case.each(|pair, span| {
-                    pair.contacts(
-                        &DistanceProfile::of(&pair.cubic),
-                        span,
-                        margin,
-                        (window, NO_CONTACT),
-                        &mut expected,
-                    );
-                });
-                join(&mut expected, 0);
+                let found = kept_contacts(&kept, margin, window);
+                let expected = case.contacts_of_all(margin, window);
                 assert_eq!(found, expected, "{kind} {margin} {window:?}");
                 several += found.len();
             }
@@ -286,24 +291,12 @@ fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
 fn proofs_are_those_of_all_pairs() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let (mut workspace, mut all) = (Workspace::default(), Workspace::default());
-    let (mut found, mut expected) = (Vec::new(), Vec::new());
     let (mut resolved, mut unresolved) = (0, 0);
     for kind in 0..800 {
         let case = case(&mut rng, kind);
-        let [a, b] = &case.views();
-        let mut plain = Vec::new();
-        let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.window, &mut plain);
-        for window in case.windows_at(&plain) {
-            found.clear();
-            let spans = case.spans().into_iter();
-            certified_contacts(a, b, spans, case.margin, window, &mut workspace, &mut found);
-            expected.clear();
-            all.clear();
-            case.each(|pair, span| {
-                all.solve(pair, span, &case.band(), window);
-            });
-            all.join((a, b), &case.band(), window, &mut expected);
+        for window in case.windows_at(&case.contacts(case.window)) {
+            let found = case.proofs(window, &mut workspace);
+            let expected = case.proofs_of_all(window, &mut all);
             assert_eq!(found, expected, "{kind} {window:?}");
             resolved += found.iter().filter(|one| one.certificate.resolved).count();
             unresolved += found.iter().filter(|one| !one.certificate.resolved).count();
@@ -318,10 +311,7 @@ fn the_nearest_is_that_of_all_pairs() {
     for kind in 0..3_000 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.views();
-        let mut touching = Vec::new();
-        let spans = case.spans().into_iter();
-        contacts(a, b, spans, case.margin, case.window, &mut touching);
-        for window in case.windows_at(&touching) {
+        for window in case.windows_at(&case.contacts(case.window)) {
             let of_window = |span: &Span| span.end >= window.0 && span.start <= window.1;
             let spans = || case.spans().into_iter().filter(of_window);
             let found = closest_approach(a, b, spans(), window);
@@ -353,9 +343,6 @@ fn the_nearest_is_that_of_all_pairs() {
 /// apart: between two of them, several pairs in turn are the nearest ones.
 fn late_case(rng: &mut ChaCha8Rng) -> Case {
     const START: f64 = 1.7e9;
-    let vector = |rng: &mut ChaCha8Rng, half: f64| {
-        DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
-    };
     let velocity = vector(rng, 1e4);
     let way = velocity.length() * 10f64.powf(rng.random_range(-9.0..-6.0));
     let aside = 10f64.powf(rng.random_range(-3.0..1.0));
@@ -392,36 +379,20 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
 fn what_instants_are_rounded_by_rules_nothing_out() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let (mut workspace, mut all) = (Workspace::default(), Workspace::default());
-    let (mut several, mut kept) = (0, Vec::new());
+    let mut several = 0;
     for round in 0..600 {
         let case = late_case(&mut rng);
         let [a, b] = &case.views();
         let mut instants = Vec::new();
         case.each(|pair, span| {
-            let profile = DistanceProfile::of(&pair.cubic);
+            let (profile, asked) = (DistanceProfile::of(&pair.cubic), (case.window, NO_CONTACT));
             let mut found = Vec::new();
-            pair.contacts(
-                &profile,
-                span,
-                case.band().outer,
-                (case.window, NO_CONTACT),
-                &mut found,
-            );
-            instants.extend(
-                found
-                    .iter()
-                    .flat_map(|one| [one.enter, one.closest.time, one.exit]),
-            );
+            pair.contacts(&profile, span, case.band().outer, asked, &mut found);
+            let of_contact = |one: &Contact| [one.enter, one.closest.time, one.exit];
+            instants.extend(found.iter().flat_map(of_contact));
         });
         let whole = (case.start, case.end);
-        let spans = || case.spans().into_iter();
-        kept.clear();
-        for span in spans() {
-            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
-            solve(a, b, span, case.margin, whole, |_, solved| {
-                kept.push(solved)
-            });
-        }
+        let kept = case.solved();
         for _ in 0..8.min(instants.len()) {
             let any = |rng: &mut ChaCha8Rng| {
                 let time = instants[rng.random_range(0..instants.len())];
@@ -435,45 +406,20 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
                 (one, one),
             ];
             let window = windows[rng.random_range(0..4)];
-            let (mut found, mut expected) = (Vec::new(), Vec::new());
-            contacts(a, b, spans(), case.margin, window, &mut found);
-            case.each(|pair, span| {
-                pair.contacts(
-                    &DistanceProfile::of(&pair.cubic),
-                    span,
-                    case.band().outer,
-                    (window, NO_CONTACT),
-                    &mut expected,
-                );
-            });
-            join(&mut expected, 0);
-            assert_eq!(found, expected, "{round} {window:?}");
-            found.clear();
-            contacts_of(kept.iter(), case.band().outer, window, &mut found);
+            let expected = case.contacts_of_all(case.band().outer, window);
+            assert_eq!(case.contacts(window), expected, "{round} {window:?}");
+            let found = kept_contacts(&kept, case.band().outer, window);
             assert_eq!(found, expected, "{round} {window:?}");
             several += usize::from(!found.is_empty());
-            let nearest = closest_approach(a, b, spans(), window);
+            let nearest = closest_approach(a, b, case.spans().into_iter(), window);
             let mut all_of_them = ClosestSearch::new();
             case.each(|pair, span| {
                 all_of_them.push(pair, span, window);
             });
             all_of_them.end_span();
             assert_eq!(nearest, all_of_them.closest, "{round} {window:?}");
-            let (mut proven, mut expected) = (Vec::new(), Vec::new());
-            certified_contacts(
-                a,
-                b,
-                spans(),
-                case.margin,
-                window,
-                &mut workspace,
-                &mut proven,
-            );
-            all.clear();
-            case.each(|pair, span| {
-                all.solve(pair, span, &case.band(), window);
-            });
-            all.join((a, b), &case.band(), window, &mut expected);
+            let proven = case.proofs(window, &mut workspace);
+            let expected = case.proofs_of_all(window, &mut all);
             assert_eq!(proven, expected, "{round} {window:?}");
         }
     }

@@ -2,23 +2,45 @@
 
 use super::*;
 
-/// Many contacts in one span, as of beads on a rod flown along it, and nearly no motion.
-#[test]
-fn rods_and_next_to_no_motion() {
+/// Returns a case of two clusters within a second; each body has a place and a velocity at its begin and end.
+fn case(
+    motions: [[(DVec3, DVec3); 2]; 2],
+    clusters: [Vec<(DVec3, f64)>; 2],
+    (margin, model_error): (f64, f64),
+) -> Case {
+    let plan = |[begin, end]: [(DVec3, DVec3); 2]| {
+        let states = [
+            State::new(0.0, begin.0, begin.1),
+            State::new(1.0, end.0, end.1),
+        ];
+        let plan = Trajectory::from_states(&states);
+        Pieces::own(&plan.unwrap_or_else(|_| unreachable!()))
+    };
     let hitbox = |spheres: Vec<(DVec3, f64)>| {
         let spheres = spheres.into_iter();
         let spheres = spheres.map(|(offset, radius)| Sphere { offset, radius });
         Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
     };
-    let line = |velocity: DVec3| {
-        let states = [0.0, 1.0].map(|time| State::new(time, velocity * time, velocity));
-        Trajectory::from_states(&states).unwrap_or_else(|_| unreachable!())
-    };
+    Case {
+        plans: motions.map(plan),
+        hitboxes: clusters.map(hitbox),
+        margin,
+        model_errors: [model_error; 2],
+        window: (0.0, 1.0),
+        start: 0.0,
+        end: 1.0,
+    }
+}
+
+/// Many contacts in one span, as of beads on a rod flown along it, and nearly no motion.
+#[test]
+fn rods_and_next_to_no_motion() {
+    let line = |velocity: DVec3| [0.0, 1.0].map(|time| (velocity * time, velocity));
     let beads = (1..=60).map(|bead| (DVec3::X * (4.0 * f64::from(bead)), 0.5));
     let pair = vec![(DVec3::ZERO, 0.75), (DVec3::X * -50.0, 0.75)];
     let other = vec![(DVec3::X, 0.75), (DVec3::X * 51.0, 0.75)];
     let three = vec![(DVec3::ZERO, 0.2), (DVec3::Y * 9.0, 0.2)];
-    for (hitboxes, velocity, contacts_of_all) in [
+    for (clusters, velocity, contacts_of_all) in [
         ([three.clone(), beads.collect()], DVec3::X * 300.0, 60),
         ([other.clone(), pair.clone()], DVec3::Y * 1e-155, 1),
         (
@@ -27,19 +49,8 @@ fn rods_and_next_to_no_motion() {
             1,
         ),
     ] {
-        let case = Case {
-            plans: [line(velocity), line(DVec3::ZERO)].map(|plan| Pieces::own(&plan)),
-            hitboxes: hitboxes.map(hitbox),
-            margin: 0.0,
-            model_errors: [0.0; 2],
-            window: (0.0, 1.0),
-            start: 0.0,
-            end: 1.0,
-        };
-        let [a, b] = &case.views();
-        let mut found = Vec::new();
-        contacts(a, b, case.spans().into_iter(), 0.0, case.window, &mut found);
-        assert_eq!(found.len(), contacts_of_all);
+        let case = case([line(velocity), line(DVec3::ZERO)], clusters, (0.0, 0.0));
+        assert_eq!(case.contacts(case.window).len(), contacts_of_all);
     }
 }
 
@@ -47,79 +58,41 @@ fn rods_and_next_to_no_motion() {
 /// the ends of its way do not show that.
 #[test]
 fn nearest_between_the_ends_of_a_way() {
-    let cluster = |places: Vec<DVec3>| {
-        let radius = 1.0;
-        let spheres = places.into_iter().map(|offset| Sphere { offset, radius });
-        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
-    };
     let others = (0..8).map(|number| DVec3::Y * (50.0 + f64::from(number)));
     let ends = [-10.0, 10.5].map(|x| x * DVec3::X);
-    let hitboxes = [
-        cluster(vec![DVec3::ZERO]),
-        cluster(ends.into_iter().chain(others).collect()),
+    let of_radius_one = |place: DVec3| (place, 1.0);
+    let clusters = [
+        vec![of_radius_one(DVec3::ZERO)],
+        ends.into_iter().chain(others).map(of_radius_one).collect(),
     ];
-    let plans = [1.2, 0.0].map(|speed| {
-        let states = [0.0, 1.0].map(|time| {
-            let velocity = DVec3::X * (speed * (1.0 - 2.0 * time));
-            State::new(time, DVec3::ZERO, velocity)
-        });
-        let plan = Trajectory::from_states(&states);
-        Pieces::own(&plan.unwrap_or_else(|_| unreachable!()))
-    });
-    let case = Case {
-        plans,
-        hitboxes,
-        margin: 8.26,
-        model_errors: [0.0; 2],
-        window: (0.0, 1.0),
-        start: 0.0,
-        end: 1.0,
-    };
-    let [a, b] = &case.views();
-    for (a, b) in [(a, b), (b, a)] {
-        let (mut kept, mut found) = (Vec::new(), Vec::new());
-        for span in case.spans() {
-            let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
-            solve(a, b, span, case.margin, whole, |_, solved| {
-                kept.push(solved)
-            });
-        }
-        contacts_of(kept.iter(), case.margin, case.window, &mut found);
+    let motions = [1.2, 0.0]
+        .map(|speed| [0.0, 1.0].map(|time| (DVec3::ZERO, DVec3::X * (speed * (1.0 - 2.0 * time)))));
+    let mut case = case(motions, clusters, (8.26, 0.0));
+    for _ in 0..2 {
+        let found = kept_contacts(&case.solved(), case.margin, case.window);
         let times: Vec<(f64, f64)> = found.iter().map(|one| (one.enter, one.exit)).collect();
         assert_eq!(times, [(0.0, 1.0)]);
+        // And the other way round.
+        case.plans.reverse();
+        case.hitboxes.reverse();
     }
 }
 
 /// With model errors, spheres that are not the nearest ones on the splines may be so in the world.
 #[test]
 fn what_model_errors_leave_open_is_listed() {
-    let cluster = |places: Vec<DVec3>| {
-        let radius = 0.5;
-        let spheres = places.into_iter().map(|offset| Sphere { offset, radius });
-        Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
-    };
     let others = (0..8).map(|number| DVec3::Z * (50.0 + f64::from(number)));
     let near = [DVec3::new(-6.0, 2.0, 0.0), DVec3::new(6.0, 2.75, 0.0)];
-    let plans = [20.0, 0.0].map(|speed| {
-        let states = [0.0, 1.0].map(|time| {
-            let velocity = DVec3::X * speed;
-            State::new(time, velocity * (time - 0.5), velocity)
-        });
-        let plan = Trajectory::from_states(&states);
-        Pieces::own(&plan.unwrap_or_else(|_| unreachable!()))
+    let of_radius_half = |place: DVec3| (place, 0.5);
+    let clusters = [
+        vec![of_radius_half(DVec3::ZERO)],
+        near.into_iter().chain(others).map(of_radius_half).collect(),
+    ];
+    let motions = [20.0, 0.0].map(|speed| {
+        let velocity = DVec3::X * speed;
+        [0.0, 1.0].map(|time| (velocity * (time - 0.5), velocity))
     });
-    let case = Case {
-        plans,
-        hitboxes: [
-            cluster(vec![DVec3::ZERO]),
-            cluster(near.into_iter().chain(others).collect()),
-        ],
-        margin: 0.0,
-        model_errors: [0.25; 2],
-        window: (0.0, 1.0),
-        start: 0.0,
-        end: 1.0,
-    };
+    let case = case(motions, clusters, (0.0, 0.25));
     let [a, b] = &case.views();
     let found = certified_approach(a, b, case.spans().into_iter(), case.window);
     let (_, _, time) = found.unwrap_or_else(|| unreachable!());
