@@ -306,10 +306,23 @@ pub(super) const NO_CONTACT: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY),
 mod tests {
     use super::super::crossing::crossing;
     use super::*;
+    use crate::rounding::exact::vector;
     use crate::rounding::{UNIT_ROUNDOFF, largest_norm};
-    use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
+
+    /// Returns a motion of one second from `start` on (s), good to so many roundings of its size.
+    fn any_cubic(rng: &mut ChaCha8Rng, start: f64, roundings: f64) -> RelativeCubic {
+        let points = [0; 4].map(|_| vector(rng, 1.0));
+        let size = largest_norm(&points);
+        RelativeCubic {
+            start,
+            end: start + 1.0,
+            points,
+            error: roundings * UNIT_ROUNDOFF * size,
+            size,
+        }
+    }
 
     /// The end of an interval is the crossing, unless it lies in what is known: also where that ends within
     /// roundings of it, early and late on the clock.
@@ -318,17 +331,8 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let mut counts = [0; 2];
         for round in 0..40_000 {
-            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
-            let points = [0; 4].map(|_| vector());
             let start = [0.0, 1e3, 1e9, -0.3][round % 4];
-            let size = largest_norm(&points);
-            let cubic = RelativeCubic {
-                start,
-                end: start + 1.0,
-                points,
-                error: [1.0, 1e6][round / 4 % 2] * UNIT_ROUNDOFF * size,
-                size,
-            };
+            let cubic = any_cubic(&mut rng, start, [1.0, 1e6][round / 4 % 2]);
             let radius = rng.random_range(0.1..1.0);
             let profile = DistanceProfile::of(&cubic);
             let threshold = radius + cubic.tolerance();
@@ -369,15 +373,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut peaks = 0;
         for round in 0..2_000 {
-            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
-            let points = [0; 4].map(|_| vector());
-            let cubic = RelativeCubic {
-                start: 0.0,
-                end: 1.0,
-                points,
-                error: 0.0,
-                size: largest_norm(&points),
-            };
+            let cubic = any_cubic(&mut rng, 0.0, 0.0);
             let largest: [f64; CELLS] = DistanceProfile::of(&cubic).largest_in_parts(&cubic);
             for (cell, largest) in largest.into_iter().enumerate() {
                 let distance = |sample: usize| {
@@ -400,17 +396,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let (mut within, mut beyond) = (0, 0);
         for round in 0..20_000 {
-            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
-            let points = [0; 4].map(|_| vector());
-            let size = largest_norm(&points);
-            let error = [1.0, 1e9][round % 2] * UNIT_ROUNDOFF * size;
-            let cubic = RelativeCubic {
-                start: 0.0,
-                end: 1.0,
-                points,
-                error,
-                size,
-            };
+            let cubic = any_cubic(&mut rng, 0.0, [1.0, 1e9][round % 2]);
             let profile = DistanceProfile::of(&cubic);
             let least = profile.closest(&cubic, 0.0, 1.0).distance;
             let share = rng.random_range(0.99..1.01);

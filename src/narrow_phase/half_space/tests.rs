@@ -5,17 +5,13 @@
 use super::*;
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
-use crate::rounding::exact::{Exact, number};
+use crate::rounding::exact::{Exact, number, vector};
 use crate::shape::BodyShape;
 use crate::spans::spans;
 use crate::trajectory::{State, Trajectory};
 use dashu::rational::RBig;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| half * rng.random_range(-1.0..1.0)))
-}
 
 /// A vector of about this length of which little lies along a normal.
 fn across(rng: &mut ChaCha8Rng, normal: DVec3, size: f64) -> DVec3 {

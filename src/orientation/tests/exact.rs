@@ -86,6 +86,10 @@ pub(super) fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
     found
 }
 
+fn knots_until(knots: &[(Big, BigQuaternion)], time: &Big) -> usize {
+    knots.partition_point(|(knot, _)| knot <= time)
+}
+
 /// Returns the exact rotation at an instant, not normalised.
 pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
     match given {
@@ -106,12 +110,7 @@ pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
             outside,
         } => {
             let knots = knots(own);
-            let last = knots.len() - 1;
-            let after = knots
-                .iter()
-                .position(|(knot, _)| time < knot)
-                .unwrap_or(knots.len());
-            let number = after.clamp(1, last);
+            let number = knots_until(&knots, time).clamp(1, knots.len() - 1);
             let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
             let mut share = (time - start) / (end - start);
             if *outside == Outside::Absent {
@@ -126,10 +125,7 @@ pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
         } => {
             let knots = knots(own);
             let last = knots.len() - 1;
-            let after = knots
-                .iter()
-                .position(|(knot, _)| time < knot)
-                .unwrap_or(knots.len());
+            let after = knots_until(&knots, time);
             let number = after.clamp(1, last);
             let slope = |knot: usize| {
                 let (before, after) = (knot.saturating_sub(1), (knot + 1).min(last));
