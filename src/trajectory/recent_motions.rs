@@ -104,10 +104,40 @@ impl RecentMotions {
     /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does. Returns false, and
     /// changes nothing, if there is no room.
     pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
-        let Some(replacement) = self.replacement(from, motion, since) else {
-            return false;
+        let from = without_negative_zero(from);
+        // The motion so far goes on up to there, in the pieces that it is cut into.
+        let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
+        let cut = |number: usize| cut_after(last_knot, &last, number);
+        let beyond = if from <= self.piece_knots[before] {
+            0
+        } else {
+            (1..).take_while(|&number| cut(number) < from).count()
         };
-        self.fill(&replacement, from, motion);
+        let is_past = |knot: &f64| *knot < since;
+        let mut past = self.knots().iter().take_while(|knot| is_past(knot)).count();
+        if past == before {
+            let later = (1..=beyond).map(cut).chain(once(from));
+            past += later.take_while(is_past).count();
+        }
+        let pieces = before + beyond;
+        let dropped = past.saturating_sub(1).min(pieces - 1);
+        let kept = pieces - dropped;
+        let end = cut_after(from, motion, 1);
+        let is_piece = end > from && motion.check_followable((from, end), 0).is_ok();
+        if !is_piece || kept >= Self::ROOM {
+            return false;
+        }
+        for place in 0..kept {
+            let number = dropped + place;
+            if let Some(beyond) = number.checked_sub(before) {
+                self.motions[place] = last;
+                self.piece_knots[place] = cut(beyond + 1);
+            } else {
+                self.motions[place] = self.motions[number];
+                self.piece_knots[place] = self.piece_knots[number];
+            }
+        }
+        self.append((dropped, kept), from, motion);
         true
     }
 
@@ -129,8 +159,7 @@ impl RecentMotions {
                 self.piece_knots[place] = self.piece_knots[dropped + place];
             }
         }
-        let end = cut_after(without_negative_zero(from), motion, 1);
-        self.append(&Replacement { dropped, kept, end }, from, motion);
+        self.append((dropped, kept), without_negative_zero(from), motion);
         // `is_replaced_by` has checked that the motion can be followed for all of its first piece, and longer.
         self.facts()
     }
@@ -142,68 +171,17 @@ impl RecentMotions {
         past.count().saturating_sub(1).min(self.pieces() - 1)
     }
 
-    /// Drops the first pieces, lets the new motion follow the others from an instant (s) on, and adds the pieces
-    /// beyond its knot.
+    /// Lets the motion follow the pieces that were kept from an instant (s) on, after so many that were dropped.
     #[inline]
-    fn fill(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
-        let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
-        for place in 0..replacement.kept {
-            let number = replacement.dropped + place;
-            if let Some(beyond) = number.checked_sub(before) {
-                self.motions[place] = last;
-                self.piece_knots[place] = cut_after(last_knot, &last, beyond + 1);
-            } else {
-                self.motions[place] = self.motions[number];
-                self.piece_knots[place] = self.piece_knots[number];
-            }
-        }
-        self.append(replacement, from, motion);
-    }
-
-    /// Lets the motion follow the pieces that were kept from an instant (s) on.
-    #[inline]
-    fn append(&mut self, replacement: &Replacement, from: f64, motion: &StraightMotion) {
-        self.motions[replacement.kept] = *motion;
-        self.piece_knots[replacement.kept] = without_negative_zero(from);
-        self.piece_knots[replacement.kept + 1] = replacement.end;
-        self.count = short(replacement.kept + 1);
-        if replacement.dropped > 0 {
+    fn append(&mut self, (dropped, kept): (usize, usize), from: f64, motion: &StraightMotion) {
+        self.motions[kept] = *motion;
+        self.piece_knots[kept] = from;
+        self.piece_knots[kept + 1] = cut_after(from, motion, 1);
+        self.count = short(kept + 1);
+        if dropped > 0 {
             self.before = Outside::Absent;
         }
         self.segments.take();
-    }
-
-    /// Returns the replacement that [`replace`](Self::replace) makes, if there is room.
-    pub(super) fn replacement(
-        &self,
-        from: f64,
-        motion: &StraightMotion,
-        since: f64,
-    ) -> Option<Replacement> {
-        let from = without_negative_zero(from);
-        // The motion so far goes on up to there, in the pieces that it is cut into.
-        let cut = |number: usize| cut_after(self.last_knot(), self.last(), number);
-        let beyond = if from <= self.piece_knots[self.pieces()] {
-            0
-        } else {
-            (1..).take_while(|&number| cut(number) < from).count()
-        };
-        let is_past = |knot: &f64| *knot < since;
-        let mut past = self.knots().iter().take_while(|knot| is_past(knot)).count();
-        if past == self.pieces() {
-            let later = (1..=beyond).map(cut).chain(once(from));
-            past += later.take_while(is_past).count();
-        }
-        let pieces = self.pieces() + beyond;
-        let dropped = past.saturating_sub(1).min(pieces - 1);
-        let end = cut_after(from, motion, 1);
-        let is_piece = end > from && motion.check_followable((from, end), 0).is_ok();
-        let replacement = Replacement {
-            dropped,
-            kept: pieces - dropped,
-            end,
-        };
-        (is_piece && replacement.kept < Self::ROOM).then_some(replacement)
     }
 
     /// Returns the facts that a further motion is checked against. There are some only where the last motion can
@@ -296,16 +274,6 @@ impl LastMotion {
             && is_resolved
             && motion.is_near(from, end)
     }
-}
-
-/// A replacement of the last motion: the numbers of pieces that are dropped and kept, and the end of the new piece.
-pub(super) struct Replacement {
-    /// First pieces that are dropped.
-    dropped: usize,
-    /// Pieces that are left before the new motion.
-    kept: usize,
-    /// End of the first piece of the new motion, s.
-    end: f64,
 }
 
 /// Returns the cut with a number from 1 on of a motion that goes on from a knot (s).
