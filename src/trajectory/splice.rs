@@ -58,20 +58,6 @@ impl Trajectory {
         time.is_finite() && self.domain().contains(time) && !is_over
     }
 
-    /// Checks that this plan exists at a time (s) at which another one takes its place.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoOldPlan`].
-    fn check_exists_at(&self, time: f64) -> Result<(), Error> {
-        let domain = self.domain();
-        if domain.contains(time) {
-            return Ok(());
-        }
-        let (start, end) = (domain.start(), domain.end());
-        Err(Error::NoOldPlan { time, start, end })
-    }
-
     /// Checks that this plan can be followed from a time (s) on.
     ///
     /// # Errors
@@ -81,7 +67,7 @@ impl Trajectory {
         if self.goes_on_from(time) {
             return Ok(());
         }
-        let (start, end) = (self.domain().start(), self.domain().end());
+        let (start, end) = self.domain().ends();
         Err(Error::NoNewPlan { time, start, end })
     }
 
@@ -113,7 +99,10 @@ impl Trajectory {
     /// As [`spliced`](Self::spliced). On error nothing is changed.
     pub(crate) fn precede_by(&mut self, old: &Self, from: f64, since: f64) -> Result<(), Error> {
         let from = without_negative_zero(from);
-        old.check_exists_at(from)?;
+        if !old.domain().contains(from) {
+            let (time, (start, end)) = (from, old.domain().ends());
+            return Err(Error::NoOldPlan { time, start, end });
+        }
         self.check_goes_on_from(from)?;
         let knots_before = count_at_front(self.knots(), |knot| knot <= from);
         // Of the old plan: whole pieces, then the piece that is cut at `from`. Beyond its knots a plan goes on along
