@@ -2,7 +2,7 @@
 
 use super::Fit;
 use super::options::FitOptions;
-use super::place::{PieceError, checked_tolerance, place_knots};
+use super::place::{checked_tolerance, place_knots};
 use super::reduction::{COEFFICIENTS, PositionPolynomial};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::trajectory::build::{check_vector, checked_knots};
@@ -59,18 +59,11 @@ impl Trajectory {
             let polynomial = checked_polynomial(given, base, ends, knot)?;
             let added = times.len() - (knot + 1);
             let max_knots = (FitOptions::MAX_KNOTS + 2).saturating_sub(added);
-            let error_of = |from, to| {
-                let reduced = polynomial.reduced(from, to);
-                Ok(PieceError::of(
-                    reduced.remainder,
-                    reduced.rounding,
-                    tolerance,
-                ))
-            };
+            let error_of = |from, to| Ok(polynomial.reduced([from, to], tolerance).1);
             let placed = place_knots(ends, tolerance, max_knots, error_of)?;
             error = error.max(placed.error);
             for pair in placed.knots.windows(2) {
-                cubics.push(polynomial.reduced(pair[0], pair[1]).cubic);
+                cubics.push(polynomial.reduced([pair[0], pair[1]], tolerance).0);
                 times.push(pair[1]);
             }
         }

@@ -1,5 +1,6 @@
 //! A cubic in place of a part of a polynomial of degree 7, with a proven bound of the remainder.
 
+use super::place::PieceError;
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use crate::trajectory::Segment;
 use crate::trajectory::double_double::{DoubleDouble, taylor_shift};
@@ -21,16 +22,6 @@ pub(super) struct PositionPolynomial {
     origin: f64,
 }
 
-/// A cubic in place of a part of a polynomial.
-pub(super) struct Reduced {
-    /// Coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
-    pub(super) cubic: [DVec3; 4],
-    /// Bound of the distance (m) between the polynomial and the cubic, in real arithmetic.
-    pub(super) remainder: f64,
-    /// Bound of what rounding adds to it in positions of a trajectory, m.
-    pub(super) rounding: f64,
-}
-
 impl PositionPolynomial {
     pub(super) const fn new(coefficients: [DVec3; COEFFICIENTS], origin: f64) -> Self {
         Self {
@@ -45,12 +36,17 @@ impl PositionPolynomial {
         sizes.fold(0.0, |sum, size| sum * farthest + size)
     }
 
-    /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s).
+    /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s), and its
+    /// error. It has the coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
     ///
     /// In s = (t - start) / duration, the powers from the fourth on are
     /// s^k = (k-2) s³ - (k-3) s² + s² (1-s)² Q(s), with Q = 1, s + 2, s² + 2s + 3, s³ + 2s² + 3s + 4.
     /// So the remainder is s² (1-s)² times a cubic.
-    pub(super) fn reduced(&self, start: f64, end: f64) -> Reduced {
+    pub(super) fn reduced(
+        &self,
+        [start, end]: [f64; 2],
+        tolerance: f64,
+    ) -> ([DVec3; 4], PieceError) {
         let duration = DoubleDouble::difference(end, start);
         let shift = DoubleDouble::difference(start, self.origin);
         let mut cubic = [DVec3::ZERO; 4];
@@ -91,11 +87,8 @@ impl PositionPolynomial {
             + Segment::EVALUATION * extent
             + DOUBLE_DOUBLE * self.size(farthest)
             + UNDERFLOW * 64.0 * farthest.max(1.0).powi(7);
-        Reduced {
-            cubic,
-            remainder: remainder(high),
-            rounding,
-        }
+        let error = PieceError::of(remainder(high), rounding, tolerance);
+        (cubic, error)
     }
 }
 
