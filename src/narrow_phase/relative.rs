@@ -64,8 +64,8 @@ impl RelativeCubic {
     pub(crate) fn power_forms(&self) -> PowerForms {
         let [p0, p1, p2, p3] = self.points;
         PowerForms {
-            forth: PowerForm::of(p0, p1, p2, p3),
-            back: PowerForm::of(p3, p2, p1, p0),
+            forth: power_form(p0, p1, p2, p3),
+            back: power_form(p3, p2, p1, p0),
         }
     }
 
@@ -182,8 +182,8 @@ fn blur(&[p0, p1, p2, p3]: &[DVec3; 4], (start, end): (f64, f64)) -> f64 {
 
 /// A relative cubic in powers of the distance from its nearer end.
 pub(crate) struct PowerForms {
-    forth: PowerForm,
-    back: PowerForm,
+    forth: [DVec3; 4],
+    back: [DVec3; 4],
 }
 
 impl PowerForms {
@@ -191,42 +191,32 @@ impl PowerForms {
     #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> (DVec3, DVec3) {
         if s <= 0.5 {
-            self.forth.at(s)
+            value_and_rate(&self.forth, s)
         } else {
-            let (position, rate) = self.back.at(1.0 - s);
+            let (position, rate) = value_and_rate(&self.back, 1.0 - s);
             (position, -rate)
         }
     }
 }
 
-/// A cubic in powers of the distance from one of its ends.
-struct PowerForm {
-    coefficients: [DVec3; 4],
+/// Returns the coefficients of powers of the distance from one end, by control points from there on.
+#[inline(always)]
+fn power_form(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> [DVec3; 4] {
+    [
+        p0,
+        3.0 * (p1 - p0),
+        3.0 * ((p2 - p1) - (p1 - p0)),
+        (p3 - p0) - 3.0 * (p2 - p1),
+    ]
 }
 
-impl PowerForm {
-    /// Returns the power form of control points from the chosen end on.
-    #[inline(always)]
-    fn of(p0: DVec3, p1: DVec3, p2: DVec3, p3: DVec3) -> Self {
-        Self {
-            coefficients: [
-                p0,
-                3.0 * (p1 - p0),
-                3.0 * ((p2 - p1) - (p1 - p0)),
-                (p3 - p0) - 3.0 * (p2 - p1),
-            ],
-        }
-    }
-
-    /// Returns value and derivative.
-    #[inline(always)]
-    fn at(&self, s: f64) -> (DVec3, DVec3) {
-        let [c0, c1, c2, c3] = self.coefficients;
-        (
-            c0 + s * (c1 + s * (c2 + s * c3)),
-            c1 + s * (2.0 * c2 + s * (3.0 * c3)),
-        )
-    }
+/// Returns value and derivative of a power form.
+#[inline(always)]
+fn value_and_rate(&[c0, c1, c2, c3]: &[DVec3; 4], s: f64) -> (DVec3, DVec3) {
+    (
+        c0 + s * (c1 + s * (c2 + s * c3)),
+        c1 + s * (2.0 * c2 + s * (3.0 * c3)),
+    )
 }
 
 /// The motion of one body relative to another over a span, common to all pairs of their spheres.
