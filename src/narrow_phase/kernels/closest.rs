@@ -73,13 +73,24 @@ struct ClosestBatch<'a, R> {
     third: RetryQueue<f64, 4>,
 }
 
-/// Computes the closest approach of each pair on one thread: times in 0..=1, distances in m.
-pub(super) fn closest_approach<R: Real>(
+/// Computes the closest approach of each pair: local times in 0..=1, distances in metres.
+///
+/// The distance is the global minimum over the span up to rounding: some 1e-15 (f64) or 1e-6 (f32)
+/// of the size of the polygon. If there are several equal minima, or the distance is constant, any one
+/// of the times may be reported. At a flat minimum the time has an error of the order of the
+/// square root of the rounding. The bits are the same with every instruction set.
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn closest_approach<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     times: &mut [R],
     distances: &mut [R],
 ) {
+    assert_eq!(lanes.len(), times.len(), "one time for each pair");
+    assert_eq!(lanes.len(), distances.len(), "one distance for each pair");
     let mut work = ClosestBatch {
         instructions,
         lanes: *lanes,
@@ -91,11 +102,8 @@ pub(super) fn closest_approach<R: Real>(
         second: LaneBlock::new(),
         third: RetryQueue::new(),
     };
-    let mut start = 0;
-    while start < lanes.len() {
-        let end = (start + BLOCK).min(lanes.len());
-        work.guess(start, end);
-        start = end;
+    for start in (0..lanes.len()).step_by(BLOCK) {
+        work.guess(start, (start + BLOCK).min(lanes.len()));
     }
     work.guess_again();
     work.prove();

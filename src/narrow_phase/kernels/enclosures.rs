@@ -23,7 +23,11 @@ pub struct Enclosure {
 /// `error` bounds the distance between the true relative position and that of the polygon, at every
 /// instant, m. If it is infinite the enclosure is 0 to infinity. `guess` is the probable time of
 /// the minimum, if known.
-pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64>) -> Enclosure {
+pub(super) fn enclose_pair(
+    points: &ControlPoints<f64>,
+    error: f64,
+    guess: Option<f64>,
+) -> Enclosure {
     let is_finite = points.iter().flatten().all(|x| x.is_finite());
     if !is_finite || !(0.0..f64::INFINITY).contains(&error) {
         return Enclosure {
@@ -41,17 +45,40 @@ pub(super) fn enclose(points: &ControlPoints<f64>, error: f64, guess: Option<f64
     }
 }
 
-pub(super) fn enclosures(
+/// Computes proven bounds of the least distance of each pair, metres.
+///
+/// `errors[i]` bounds, in metres and at every instant, the distance between the true relative
+/// position of pair `i` and the one its control points give. Then the true least distance lies in
+/// the enclosure, whatever rounds. Its width is a little more than twice the error plus 20 times
+/// `EPSILON` of the polygon's size (of polygons below 1e-285 m it is no less than that size). With
+/// an error that is negative or not finite, the enclosure is no bound either.
+///
+/// ```
+/// use nearmiss::kernels::{CubicBatch, Enclosure, InstructionSet, enclose};
+///
+/// let mut batch = CubicBatch::new();
+/// batch.push([[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]]);
+/// let mut found = [Enclosure { low: 0.0, high: 0.0, time: 0.0 }];
+/// enclose(InstructionSet::best(), &batch.lanes(), &[1e-9], &mut found);
+/// assert!(found[0].low <= 3.0 && 3.0 <= found[0].high);
+/// assert!(found[0].high - found[0].low < 3e-9);
+/// ```
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn enclose(
     instructions: InstructionSet,
     lanes: &Lanes<'_, f64>,
     errors: &[f64],
     enclosures: &mut [Enclosure],
 ) {
+    assert_eq!(lanes.len(), errors.len(), "one error for each pair");
+    assert_eq!(lanes.len(), enclosures.len(), "one enclosure for each pair");
     let mut block = LaneBlock::new();
     let mut pending = RetryQueue::new();
     let mut bounds = EnclosureBlock::new();
-    let mut start = 0;
-    while start < lanes.len() {
+    for start in (0..lanes.len()).step_by(BLOCK) {
         let end = (start + BLOCK).min(lanes.len());
         let part = lanes.range(start, end);
         enclose_block(
@@ -72,7 +99,6 @@ pub(super) fn enclosures(
                 enclose_again(instructions, &mut pending, enclosures);
             }
         }
-        start = end;
     }
     enclose_again(instructions, &mut pending, enclosures);
 }
@@ -92,7 +118,7 @@ fn enclose_again(
         } else {
             let points = pending.control_points(i);
             let (time, _) = refined(&points, times[i], QUICK);
-            enclose(&points, errors[i], Some(time))
+            enclose_pair(&points, errors[i], Some(time))
         };
     }
     pending.clear();

@@ -406,10 +406,7 @@ fn lower_near(side: &ControlPolygon) -> f64 {
     let [near, _] = split(side, 0.5);
     let [first, second] = split(&near, 0.5);
     // Counted from its own end, the near half begins in the middle of the side.
-    let (first, second) = (from_nearer(&first).0, reversed(second));
-    Minorant::of(&first)
-        .lower()
-        .min_or_other(Minorant::of(&second).lower())
+    lower_of_both(&from_nearer(&first).0, &reversed(second))
 }
 
 /// Returns a lower bound of the squared distance on the second half of a side, from its quarters.
@@ -417,10 +414,15 @@ fn lower_near(side: &ControlPolygon) -> f64 {
 fn lower_far(side: &ControlPolygon) -> f64 {
     let [_, far] = split(side, 0.5);
     let [first, second] = split(&far, 0.5);
-    let (first, second) = (from_nearer(&first).0, from_nearer(&second).0);
-    Minorant::of(&first)
+    lower_of_both(&from_nearer(&first).0, &from_nearer(&second).0)
+}
+
+/// Returns a lower bound of the squared distance on two parts.
+#[inline(always)]
+fn lower_of_both(first: &ControlPolygon, second: &ControlPolygon) -> f64 {
+    Minorant::of(first)
         .lower()
-        .min_or_other(Minorant::of(&second).lower())
+        .min_or_other(Minorant::of(second).lower())
 }
 
 /// Turns lower bounds of the squared distance on both sides of a split, in `lows` and `highs`, into

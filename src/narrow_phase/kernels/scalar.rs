@@ -48,7 +48,7 @@ pub fn closest_approach_by_roots(points: &ControlPoints<f64>, tolerance: f64) ->
 /// within the width stated there.
 #[must_use]
 pub fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
-    enclosures::enclose(points, error, None)
+    enclosures::enclose_pair(points, error, None)
 }
 
 /// Decides whether a pair certainly comes nearer than `inner`, or certainly stays farther apart

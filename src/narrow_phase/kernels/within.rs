@@ -2,7 +2,7 @@
 
 use super::Verdict;
 use super::batch::Lanes;
-use super::enclosures::enclose;
+use super::enclosures::enclose_pair;
 use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block};
 use super::pending::{Places, RetryQueue};
 use super::screen::{screen_block, screen_block_finely, screen_eighths, screen_halves};
@@ -30,7 +30,7 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
 
 /// Returns the verdict from a tight enclosure.
 fn last_verdict(points: &ControlPoints<f64>, error: f64, inner: f64, outer: f64) -> Verdict {
-    let enclosure = enclose(points, error, None);
+    let enclosure = enclose_pair(points, error, None);
     verdict_between(enclosure.low, enclosure.high, inner, outer)
 }
 
@@ -67,21 +67,54 @@ struct WithinBatch<'a, R> {
     third: RetryQueue<f64, 3>,
 }
 
-pub(super) fn within<R: Real>(
+/// Decides for each pair whether it is certainly nearer than `inner` at some instant, or certainly
+/// farther apart than `outer` at every instant, both in metres.
+///
+/// For a threshold `R` and control points with an error of up to `E` metres these are `R - E`
+/// and `R + E`, rounded away from each other. A pair whose least distance is between them, or
+/// within rounding of them, is undecided. `f32` control points may have been rounded from `f64`:
+/// the verdict holds for the points before. A negative `inner` is never reached.
+///
+/// ```
+/// use nearmiss::kernels::{CubicBatch, InstructionSet, Verdict, within};
+///
+/// // 3 m off; are these within 2.9 m, 3.1 m, and 3 m?
+/// let pass = [[-6.0, 3.0, 0.0], [-2.0, 3.0, 0.0], [2.0, 3.0, 0.0], [6.0, 3.0, 0.0]];
+/// let mut batch = CubicBatch::<f32>::new();
+/// batch.extend([pass; 3]);
+/// let (thresholds, mut verdicts) = ([2.9, 3.1, 3.0], [Verdict::Undecided; 3]);
+/// within(InstructionSet::best(), &batch.lanes(), &thresholds, &thresholds, &mut verdicts);
+/// assert_eq!(verdicts, [Verdict::Outside, Verdict::Inside, Verdict::Undecided]);
+/// ```
+///
+/// # Panics
+///
+/// If the slices do not have one entry for each pair.
+pub fn within<R: Real>(
     instructions: InstructionSet,
     lanes: &Lanes<'_, R>,
     inner: &[R],
     outer: &[R],
     verdicts: &mut [Verdict],
 ) {
+    assert_eq!(
+        lanes.len(),
+        inner.len(),
+        "one inner threshold for each pair"
+    );
+    assert_eq!(
+        lanes.len(),
+        outer.len(),
+        "one outer threshold for each pair"
+    );
+    assert_eq!(lanes.len(), verdicts.len(), "one verdict for each pair");
     let mut screening = WithinBatch {
         instructions,
         verdicts,
         second: RetryQueue::new(),
         third: RetryQueue::new(),
     };
-    let mut start = 0;
-    while start < lanes.len() {
+    for start in (0..lanes.len()).step_by(BLOCK) {
         let end = (start + BLOCK).min(lanes.len());
         let block = lanes.range(start, end);
         let found = &mut screening.verdicts[start..end];
@@ -102,7 +135,6 @@ pub(super) fn within<R: Real>(
                 screening.screen_again();
             }
         }
-        start = end;
     }
     screening.screen_again();
     screening.enclose();
