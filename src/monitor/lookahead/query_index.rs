@@ -6,29 +6,16 @@ use crate::bounds::CubicSource;
 use crate::trajectory::Segment;
 use std::sync::{PoisonError, RwLock};
 
-/// Boxes for questions between two ticks, over some consecutive slices at a time: formed by the first question.
+/// Boxes for questions between two ticks, over some consecutive slices at a time: formed by the first question. Each
+/// has the number of its first slice; without one it is not valid, and its memory is used again.
 #[derive(Debug, Default)]
-pub(super) struct QueryIndexes(RwLock<Indexes>);
-
-#[derive(Debug, Default)]
-struct Indexes {
-    /// The first ones are valid; the memory of the others is reused.
-    all: Vec<QueryIndex>,
-    count: usize,
-}
-
-#[derive(Debug, Default)]
-struct QueryIndex {
-    /// Number of the first slice.
-    first: i64,
-    index: BoxIndex,
-}
+pub(super) struct QueryIndexes(RwLock<Vec<(Option<i64>, BoxIndex)>>);
 
 impl QueryIndexes {
     /// Forgets all boxes: there is another tick.
     pub(super) fn clear(&mut self) {
         let indexes = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        indexes.count = 0;
+        indexes.iter_mut().for_each(|(first, _)| *first = None);
     }
 
     /// Lists the bodies that may be near the body of a source within consecutive slices and a window (s), as
@@ -55,40 +42,24 @@ impl QueryIndexes {
             },
             last.end(),
         );
+        let of_slices = |(number, _): &(Option<i64>, BoxIndex)| *number == Some(first.number);
         let mut indexes = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        if indexes.of(first.number).is_none() {
+        if !indexes.iter().any(of_slices) {
             drop(indexes);
             let mut to_form = self.0.write().unwrap_or_else(PoisonError::into_inner);
-            to_form.form(first.number, interval, bodies);
+            // Another thread may have formed it.
+            if !to_form.iter().any(of_slices) {
+                let unused = to_form.iter().position(|(number, _)| number.is_none());
+                let (_, mut index) =
+                    unused.map_or_else(Default::default, |at| to_form.swap_remove(at));
+                index.form(bodies, interval);
+                to_form.push((Some(first.number), index));
+            }
             drop(to_form);
             indexes = self.0.read().unwrap_or_else(PoisonError::into_inner);
         }
-        if let Some(index) = indexes.of(first.number) {
+        if let Some((_, index)) = indexes.iter().find(|one| of_slices(one)) {
             index.neighbours(bodies, interval, source, scratch, neighbours);
         }
-    }
-}
-
-impl Indexes {
-    fn of(&self, first: i64) -> Option<&BoxIndex> {
-        let valid = self.all[..self.count].iter();
-        valid
-            .rev()
-            .find(|one| one.first == first)
-            .map(|one| &one.index)
-    }
-
-    /// Forms the boxes of an interval (s) that begins with a slice, unless another thread has.
-    fn form(&mut self, first: i64, interval: (f64, f64), bodies: &BodyTable<'_>) {
-        if self.of(first).is_some() {
-            return;
-        }
-        if self.count == self.all.len() {
-            self.all.push(QueryIndex::default());
-        }
-        let unused = &mut self.all[self.count];
-        unused.first = first;
-        unused.index.form(bodies, interval);
-        self.count += 1;
     }
 }
