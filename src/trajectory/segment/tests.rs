@@ -33,6 +33,15 @@ fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
     }
 }
 
+/// Asserts that points from the origin of a segment are within an error of exact ones.
+fn assert_within(segment: &Segment, points: [DVec3; 4], exact: [Exact; 4], error: f64) {
+    let origin = Exact::of(segment.origin());
+    for (point, exact) in points.into_iter().zip(exact) {
+        let off = origin.plus(&Exact::of(point)).minus(&exact);
+        assert!(off.is_within(error), "{segment:?} {off:?}");
+    }
+}
+
 /// Velocities matter as much as the displacement, more, less, and against it.
 #[test]
 fn points_between_states() {
@@ -197,11 +206,7 @@ fn points_of_polynomials() {
         let shift = if base == TimeBase::Absolute { far } else { 0.0 };
         let exact = exact_points(&coefficients, shift, knots);
         let segment = &motion.segments()[0];
-        for (point, exact) in segment.control_points().into_iter().zip(exact) {
-            let found = Exact::of(segment.origin()).plus(&Exact::of(point));
-            let off = found.minus(&exact);
-            assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
-        }
+        assert_within(segment, segment.control_points(), exact, segment.error());
     }
 }
 
@@ -232,12 +237,7 @@ fn points_of_polynomials_that_vanish() {
         let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
         let segment = &motion.segments()[0];
         let exact = exact_points(&coefficients, begin, knots);
-        for (point, exact) in segment.control_points().into_iter().zip(exact) {
-            let off = Exact::of(segment.origin())
-                .plus(&Exact::of(point))
-                .minus(&exact);
-            assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
-        }
+        assert_within(segment, segment.control_points(), exact, segment.error());
     }
     assert!(vanishing > 500, "{vanishing}");
 }
@@ -269,15 +269,11 @@ fn lines_at_the_ends_of_polynomials() {
             let velocity = velocity.times(&time).plus(&c);
             let whole = line.restrict(line.start(), line.end());
             let lasting = (number(line.end()) - number(line.start())) / RBig::from(3);
-            for (count, point) in (0_u8..).zip(whole.points) {
-                let exact = velocity
-                    .times(&(&lasting * RBig::from(count)))
-                    .plus(&position);
-                let off = Exact::of(line.origin())
-                    .plus(&Exact::of(point))
-                    .minus(&exact);
-                assert!(off.is_within(whole.error), "{round} {line:?} {off:?}");
-            }
+            let exact = [0_u8, 1, 2, 3].map(|count| {
+                let way = velocity.times(&(&lasting * RBig::from(count)));
+                way.plus(&position)
+            });
+            assert_within(&line, whole.points, exact, whole.error);
         }
     }
 }
@@ -311,12 +307,8 @@ fn lines_from_within_cubics() {
         let way = next.minus(&here);
         let thirds = (number(line.end()) - number(line.start())) / &lasting;
         let whole = line.restrict(line.start(), line.end());
-        for (count, point) in (0_u8..).zip(whole.points) {
-            let exact = way.times(&(&thirds * RBig::from(count))).plus(&position);
-            let off = Exact::of(line.origin())
-                .plus(&Exact::of(point))
-                .minus(&exact);
-            assert!(off.is_within(whole.error), "{round} {line:?} {off:?}");
-        }
+        let exact =
+            [0_u8, 1, 2, 3].map(|count| way.times(&(&thirds * RBig::from(count))).plus(&position));
+        assert_within(&line, whole.points, exact, whole.error);
     }
 }
