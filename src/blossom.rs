@@ -1,6 +1,7 @@
 //! Parts of cubics in Bézier form.
 
 use glam::DVec3;
+use std::ops::{Add, Mul};
 
 /// Control points of a cubic or of a part of one, from the end that bounds are formed around.
 pub(crate) type ControlPolygon = [DVec3; 4];
@@ -24,4 +25,20 @@ pub(crate) fn restrict<T: Copy>(
         start(bb0, bb1),
         end(bb0, bb1),
     ]
+}
+
+/// Returns the control points of the part between two times of a cubic, whose interval has these ends.
+#[inline(always)]
+pub(crate) fn restrict_to<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(
+    points: &[T; 4],
+    (start, end): (f64, f64),
+    (from, to): (f64, f64),
+) -> [T; 4] {
+    let duration = end - start;
+    let mix = |time: f64| {
+        // Each weight has a small relative error, also near an end.
+        let (first, second) = ((end - time) / duration, (time - start) / duration);
+        move |p: T, q: T| p * first + q * second
+    };
+    restrict(points, mix(from), mix(to))
 }

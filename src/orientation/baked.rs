@@ -1,7 +1,7 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
 use crate::accuracy::Accuracy;
-use crate::blossom::restrict;
+use crate::blossom::{restrict, restrict_to};
 use crate::rounding::{UNIT_ROUNDOFF, latest_exact, norm};
 use glam::{DMat3, DVec3};
 
@@ -125,18 +125,10 @@ impl BakedRotation {
                 ..*self
             };
         }
-        let duration = self.end - self.start;
-        let between = |p: DMat3, q: DMat3, time: f64| {
-            p * ((self.end - time) / duration) + q * ((time - self.start) / duration)
-        };
         Self {
             start,
             end,
-            points: restrict(
-                &self.points,
-                |p, q| between(p, q, start),
-                |p, q| between(p, q, end),
-            ),
+            points: restrict_to(&self.points, (self.start, self.end), (start, end)),
             // Three steps of five roundings, of matrices whose norms are below 2.5.
             error: self.error + 64.0 * UNIT_ROUNDOFF,
         }

@@ -5,7 +5,7 @@
 //! degree 9, over the smallest one of D. Both are linear in c: matrices stand for all points.
 
 use super::baked::BakedRotation;
-use crate::blossom::restrict;
+use crate::blossom::restrict_to;
 use crate::count::whole;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -20,7 +20,7 @@ pub(super) struct QuaternionCubic {
 impl QuaternionCubic {
     /// Returns the rotation at an instant (s).
     pub(super) fn at(&self, time: f64) -> DQuat {
-        let [point, ..] = self.part((time, time));
+        let [point, ..] = restrict_to(&self.points, self.ends, (time, time));
         point * (1.0 / point.length())
     }
 
@@ -34,21 +34,9 @@ impl QuaternionCubic {
         [velocity((q1 - q0) * 3.0, q0), velocity((q3 - q2) * 3.0, q3)]
     }
 
-    /// Returns the control points between two instants (s).
-    fn part(&self, (from, to): (f64, f64)) -> [DQuat; 4] {
-        let (start, end) = self.ends;
-        let duration = end - start;
-        let mix = |time: f64| {
-            move |p: DQuat, q: DQuat| {
-                p * ((end - time) / duration) + q * ((time - start) / duration)
-            }
-        };
-        restrict(&self.points, mix(from), mix(to))
-    }
-
     /// Returns the cubic between two instants (s).
     pub(super) fn bake(&self, ends: (f64, f64)) -> BakedRotation {
-        let points = self.part(ends);
+        let points = restrict_to(&self.points, self.ends, ends);
         let (squares, turned) = products(&points);
         let (first, last) = (
             turned[0] * (1.0 / squares[0]),

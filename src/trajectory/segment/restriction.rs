@@ -1,7 +1,7 @@
 //! Parts of a segment: control points between two instants, inside its knots and beyond, their rounding and their limits.
 
 use super::Segment;
-use crate::blossom::restrict;
+use crate::blossom::restrict_to;
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use glam::DVec3;
@@ -56,15 +56,9 @@ impl Segment {
     }
 
     fn restrict_inside(&self, from: f64, to: f64) -> Restriction {
-        let duration = self.end - self.start;
-        let mix = |time: f64| {
-            // Each weight has a small relative error, also near a knot.
-            let first = (self.end - time) / duration;
-            let second = (time - self.start) / duration;
-            move |x: DVec3, y: DVec3| x * first + y * second
-        };
+        let ends = (self.start, self.end);
         Restriction {
-            points: restrict(&self.control_points(), mix(from), mix(to)),
+            points: restrict_to(&self.control_points(), ends, (from, to)),
             // Three steps of lerps with relative weight errors: γ5 each (γn: n roundings).
             error: self.error() + 16.0 * UNIT_ROUNDOFF * self.extent + UNDERFLOW,
         }
