@@ -1,6 +1,7 @@
 //! The forms of which shapes are made, in f64.
 
 use glam::{DQuat, DVec3};
+use std::slice::from_mut;
 
 /// A place and a direction of parry's, in f64. The quaternion is taken for its direction.
 #[derive(Clone, Copy, Debug)]
@@ -146,16 +147,11 @@ impl SolidForm {
                 low.abs().max(high.abs()).length()
             }
         };
-        let place = |point: &mut DVec3| *point = placement.point(*point);
-        match self {
-            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
-                points.iter_mut().for_each(place);
-            }
-            Self::Round(round) => {
-                place(&mut round.middle);
-                round.axis = (placement.rotation * round.axis).normalize();
-            }
-            Self::Capsule { ends, .. } => ends.iter_mut().for_each(place),
+        for point in self.points_mut() {
+            *point = placement.point(*point);
+        }
+        if let Self::Round(round) = self {
+            round.axis = (placement.rotation * round.axis).normalize();
         }
         if local > 0.0 {
             local + placement.translation.length()
@@ -166,20 +162,24 @@ impl SolidForm {
 
     /// Moves `origin` to 0 and divides all lengths by `unit`.
     pub(super) fn normalise(&mut self, origin: DVec3, unit: f64) {
-        let place = |point: &mut DVec3| *point = (*point - origin) / unit;
+        for point in self.points_mut() {
+            *point = (*point - origin) / unit;
+        }
         match self {
-            Self::Hull { points, .. } | Self::Mesh { points, .. } => {
-                points.iter_mut().for_each(place);
-            }
+            Self::Hull { .. } | Self::Mesh { .. } => {}
             Self::Round(round) => {
-                place(&mut round.middle);
                 round.radii = round.radii.map(|radius| radius / unit);
                 round.half_height /= unit;
             }
-            Self::Capsule { ends, radius } => {
-                ends.iter_mut().for_each(place);
-                *radius /= unit;
-            }
+            Self::Capsule { radius, .. } => *radius /= unit,
+        }
+    }
+
+    fn points_mut(&mut self) -> &mut [DVec3] {
+        match self {
+            Self::Hull { points, .. } | Self::Mesh { points, .. } => points,
+            Self::Round(round) => from_mut(&mut round.middle),
+            Self::Capsule { ends, .. } => ends,
         }
     }
 
