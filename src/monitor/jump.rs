@@ -13,15 +13,9 @@ use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
 use crate::stats::Stats;
 
-/// A search over the time between the existing slices and the clock.
-#[derive(Debug, Default)]
+/// A search over the time between the existing slices and the clock, as far as it has come.
+#[derive(Debug)]
 pub(super) struct JumpSearch {
-    /// State of the search; none if nothing is left to search.
-    progress: Option<Progress>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Progress {
     /// Instant up to which all is searched, s.
     at: f64,
     /// Lengths of the next chunk of the jump and of its slices, s.
@@ -37,19 +31,27 @@ impl JumpSearch {
     /// as long.
     const LITTLE: (usize, usize) = (1 << 15, 8);
 
-    /// Returns true if it is far from one instant to another (s) in slices of `length` s, or such a search
-    /// was begun.
-    pub(super) fn is_needed(&self, (from, to): (f64, f64), length: f64) -> bool {
-        self.progress.is_some() || to - from > Self::FEW * length
+    /// Returns true if it is far from one instant to another (s) in slices of `length` s.
+    pub(super) fn is_far((from, to): (f64, f64), length: f64) -> bool {
+        to - from > Self::FEW * length
     }
 
-    /// Searches on from `from` to `to` (s) until the budget is spent, in slices of `length` s at first. Appends the
-    /// spans found, and adds the work. Returns the instant at which the search had to stop, s; none if it is done.
+    /// Returns the search from an instant (s) on, in slices of `length` s at first.
+    pub(super) fn begin(from: f64, length: f64) -> Self {
+        Self {
+            at: earliest_exact(from),
+            chunk: length,
+            slice: length,
+        }
+    }
+
+    /// Searches on up to `to` (s) until the budget is spent, in chunks of at least `length` s. Appends the spans found,
+    /// and adds the work. Nothing before `from` (s) is asked about. Returns the instant at which the search had to stop, s; none if it is done.
     ///
     /// # Errors
     ///
     /// If there is too little room for what is found.
-    pub(super) fn search_jump(
+    pub(super) fn go_on(
         &mut self,
         (from, to, length): (f64, f64, f64),
         bodies: &PreparedBodies<'_>,
@@ -57,37 +59,31 @@ impl JumpSearch {
         found: &mut Vec<SpanKey>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let (admission, meter) = (&work.admission, &mut work.meter);
-        let progress = self.progress.get_or_insert(Progress {
-            at: earliest_exact(from),
-            chunk: length,
-            slice: length,
-        });
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
         let until = meter.until().unwrap_or(f64::INFINITY);
-        while progress.at < to {
-            if meter.is_spent() || progress.at >= until {
-                return Ok(Some(progress.at.max(from)));
+        while self.at < to {
+            if meter.is_spent() || self.at >= until {
+                return Ok(Some(self.at.max(from)));
             }
-            let end = (progress.at + progress.chunk).min(to.min(until));
-            let window = (progress.at, end);
-            let (slices, statistics) = bodies.cheapest_slices(window, progress.slice, admission);
+            let end = (self.at + self.chunk).min(to.min(until));
+            let window = (self.at, end);
+            let (slices, statistics) = bodies.cheapest_slices(window, self.slice, admission);
             let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
             bodies.list_spans(slicing, admission, (&mut *found, &mut counted))?;
             if admission.gives_up() {
-                return Ok(Some(progress.at.max(from)));
+                return Ok(Some(self.at.max(from)));
             }
             let examined = counted.boxes + counted.candidates;
             let examined = usize::try_from(examined).unwrap_or(usize::MAX);
             counted.slices = u64::from(slices.count());
             work.stats += counted;
             meter.count(examined.saturating_add(1));
-            progress.at = end;
-            progress.slice = slices.length();
+            self.at = end;
+            self.slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
             let factor = if examined < little { 2.0 } else { 0.5 };
-            progress.chunk = (factor * progress.chunk).max(length);
+            self.chunk = (factor * self.chunk).max(length);
         }
-        self.progress = None;
         Ok(None)
     }
 }

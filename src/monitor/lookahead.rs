@@ -60,7 +60,8 @@ pub(super) struct LookaheadSearch {
     slices: VecDeque<LookaheadSlice>,
     /// Unused slices: their memory is reused.
     unused: Vec<LookaheadSlice>,
-    jump: JumpSearch,
+    /// None if nothing is left to search.
+    jump: Option<JumpSearch>,
     half_spaces: HalfSpaceSearch,
     query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.
@@ -101,7 +102,7 @@ impl LookaheadSearch {
             grid,
             slices: VecDeque::new(),
             unused: Vec::new(),
-            jump: JumpSearch::default(),
+            jump: None,
             half_spaces: HalfSpaceSearch::default(),
             query_indexes: QueryIndexes::default(),
             survivors: Vec::new(),
@@ -294,7 +295,7 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
-        if self.jump.is_needed(jump, self.grid.length) {
+        if self.jump.is_some() || JumpSearch::is_far(jump, self.grid.length) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
             self.unused.extend(self.slices.drain(..));
             if let Some(stop) = self.search_jump((from, clock_slice), work)? {

@@ -4,6 +4,7 @@
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::grid::Grid;
+use super::super::jump::JumpSearch;
 use super::super::prepared::PreparedBodies;
 use super::affordable::FEW_TICKS;
 use super::{LookaheadSearch, LookaheadSlice};
@@ -40,9 +41,15 @@ impl LookaheadSearch {
         let pool = &self.search_pool;
         let window = ((from, to), work.meter.threads());
         let (bodies, _) = PreparedBodies::in_window(table, limits, pool, window);
-        let times = (from, to, self.grid.length);
-        self.jump
-            .search_jump(times, &bodies, work, &mut self.survivors)
+        let length = self.grid.length;
+        let jump = self
+            .jump
+            .get_or_insert_with(|| JumpSearch::begin(from, length));
+        let stop = jump.go_on((from, to, length), &bodies, work, &mut self.survivors)?;
+        if stop.is_none() {
+            self.jump = None;
+        }
+        Ok(stop)
     }
 
     /// Returns true if so many bodies have changed that a search of a lookahead (first and last instant, s) from nothing
