@@ -144,58 +144,54 @@ impl CommandBatch {
         context: &ChangeContext<'_>,
     ) -> Result<(), Refusal> {
         let refuse = |error| (number, error);
-        let id = match command {
+        match command {
             Command::Insert(body) => {
-                return self
-                    .insert(scene, (body, Vec::new()), context)
-                    .map_err(refuse);
+                let new = (body, Vec::new());
+                self.insert(scene, new, context).map_err(refuse)?;
             }
             Command::InsertIgnoring(body, ignored) => {
-                return self.insert(scene, (body, ignored), context).map_err(refuse);
+                let new = (body, ignored);
+                self.insert(scene, new, context).map_err(refuse)?;
             }
             Command::IgnorePair(a, b) => {
-                return self.pair(scene, (a, b), PairRule::Ignored).map_err(refuse);
+                self.pair(scene, (a, b), PairRule::Ignored)
+                    .map_err(refuse)?;
             }
             Command::UnignorePair(a, b) => {
-                return self
-                    .pair(scene, (a, b), PairRule::Unignored)
-                    .map_err(refuse);
+                self.pair(scene, (a, b), PairRule::Unignored)
+                    .map_err(refuse)?;
             }
-            Command::Remove(id)
-            | Command::SetTrajectory(id, _)
-            | Command::SetHitbox(id, _)
-            | Command::SetOrientation(id, _)
-            | Command::SetLayers(id, _)
-            | Command::SetModelError(id, _)
-            | Command::Orient(id, ..)
-            | Command::Replan(id, ..)
-            | Command::Extend(id, _) => id,
-        };
-        let change = self.change_of(scene, id, number).map_err(refuse)?;
-        match command {
-            Command::Insert(_)
-            | Command::InsertIgnoring(..)
-            | Command::IgnorePair(..)
-            | Command::UnignorePair(..) => {}
-            Command::Remove(_) => change.is_removed = true,
-            Command::SetTrajectory(_, trajectory) => {
+            Command::Remove(id) => self.change_of(scene, id, number)?.is_removed = true,
+            Command::SetTrajectory(id, trajectory) => {
+                let change = self.change_of(scene, id, number)?;
                 change.motion_to_splice();
                 change.splice(scene, context)?;
                 change.own_knots = trajectory.knots().len();
                 change.trajectory = Some(trajectory);
                 change.late = None;
             }
-            Command::SetHitbox(_, hitbox) => change.hitbox = Some(hitbox),
-            Command::SetOrientation(_, orientation) => change.orientation = Some(orientation),
-            Command::SetLayers(_, layers) => change.layers = Some(layers),
-            Command::SetModelError(_, metres) => {
+            Command::SetHitbox(id, hitbox) => {
+                self.change_of(scene, id, number)?.hitbox = Some(hitbox);
+            }
+            Command::SetOrientation(id, orientation) => {
+                self.change_of(scene, id, number)?.orientation = Some(orientation);
+            }
+            Command::SetLayers(id, layers) => {
+                self.change_of(scene, id, number)?.layers = Some(layers);
+            }
+            Command::SetModelError(id, metres) => {
+                let change = self.change_of(scene, id, number)?;
                 let tag = change.body(scene)?.tag;
                 let checked = checked_model_error(metres);
                 let checked = checked.map_err(|error| refuse(error.in_body(tag).with_id(id)))?;
                 change.model_error = Some(checked);
             }
-            Command::Orient(_, from, next) => change.orient(scene, (from, &next), context)?,
-            Command::Replan(_, from, plan) => {
+            Command::Orient(id, from, next) => {
+                let change = self.change_of(scene, id, number)?;
+                change.orient(scene, (from, &next), context)?;
+            }
+            Command::Replan(id, from, plan) => {
+                let change = self.change_of(scene, id, number)?;
                 let is_first = change.trajectory.is_none() && change.motion.is_none();
                 match plan.trajectory.straight() {
                     Some((&motion, _)) if is_first => {
@@ -212,7 +208,8 @@ impl CommandBatch {
                     change.orient(scene, (from, next), context)?;
                 }
             }
-            Command::Extend(_, plan) => {
+            Command::Extend(id, plan) => {
+                let change = self.change_of(scene, id, number)?;
                 let turn = match &plan.orientation {
                     Some(next) => Some((change.last_knot(scene, context)?, next)),
                     None => None,
@@ -274,12 +271,13 @@ impl CommandBatch {
         scene: &Scene,
         id: BodyId,
         command: usize,
-    ) -> Result<&mut PendingChange, Error> {
+    ) -> Result<&mut PendingChange, Refusal> {
+        let unknown = || (command, Error::UnknownBody { id });
         if self.place_of.len() < scene.slots() {
             self.place_of.resize(scene.slots(), 0);
         }
         let place = self.place_of.get_mut(id.slot as usize);
-        let place = place.ok_or(Error::UnknownBody { id })?;
+        let place = place.ok_or_else(unknown)?;
         let change = self.changed.get(*place);
         if change.is_none_or(|change| change.id != id) {
             *place = self.changed.len();
@@ -287,7 +285,7 @@ impl CommandBatch {
         }
         let change = &mut self.changed[*place];
         if change.is_removed {
-            return Err(Error::UnknownBody { id });
+            return Err(unknown());
         }
         change.last = command;
         Ok(change)
