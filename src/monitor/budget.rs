@@ -79,6 +79,7 @@ impl BudgetMeter {
     }
 
     /// Returns the meter of a tick whose known time is to end at `until` (s): for the replay of a tick with a budget.
+    #[cfg(feature = "recording")]
     pub(super) fn up_to(until: f64) -> Self {
         Self {
             until: Some(until),

@@ -46,7 +46,8 @@ impl JumpSearch {
     }
 
     /// Searches on up to `to` (s) until the budget is spent, in chunks of at least `length` s. Appends the spans found,
-    /// and adds the work. Nothing before `from` (s) is asked about. Returns the instant at which the search had to stop, s; none if it is done.
+    /// and adds the work. Nothing before `from` (s) is asked about. Returns the instant at which the search had to stop, s;
+    /// none if it is done.
     ///
     /// # Errors
     ///

@@ -82,6 +82,7 @@ impl Monitor {
     }
 
     /// Moves the clock, and knows everything up to `known` (s) afterwards, as the tick that was recorded did.
+    #[cfg(feature = "recording")]
     pub(super) fn advance_to(
         &mut self,
         now: f64,
