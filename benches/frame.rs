@@ -7,6 +7,8 @@
 //! - `frame/update_screen/N`, one thread: `Scene::update` of all N bodies, then `Scene::screen` of the next 2 s;
 //! - `frame/told/N`, one thread (100,000: two): `Monitor::track` of all bodies, then `Monitor::advance`, events
 //!   included;
+//! - `frame/told_far/10k`, one thread: as `told`, 10 s ahead;
+//! - `frame/told_convoy/10k`, one thread: as `told`, and all bodies move on together at 316 m/s;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
 //! - `frame/told_resting/10k`, one thread: as `told`, and half of the bodies rest;
@@ -128,6 +130,8 @@ fn main() {
     for (bodies, threads) in [(1_000, 1), (10_000, 1), (100_000, 2)] {
         run.measure(("told", bodies), threads, Told::new);
     }
+    run.measure(("told_far", 10_000), 1, Told::far_ahead);
+    run.measure(("told_convoy", 10_000), 1, Told::convoy);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);
     run.measure(("told_resting", 10_000), 1, Told::half_at_rest);

@@ -78,7 +78,17 @@ pub(crate) struct Told<W> {
 
 impl Told<World> {
     pub(crate) fn new(bodies: u32) -> Self {
-        Self::of(World::new(bodies), &[MARGIN])
+        Self::of(World::new(bodies), LOOKAHEAD, &[MARGIN])
+    }
+
+    /// Returns a game that looks five times as far ahead.
+    pub(crate) fn far_ahead(bodies: u32) -> Self {
+        Self::of(World::new(bodies), 5.0 * LOOKAHEAD, &[MARGIN])
+    }
+
+    /// Returns a game whose bodies all move on together.
+    pub(crate) fn convoy(bodies: u32) -> Self {
+        Self::of(World::convoy(bodies), LOOKAHEAD, &[MARGIN])
     }
 
     /// Returns a game whose bodies are told in every other frame.
@@ -99,7 +109,7 @@ impl Told<World> {
 
     /// Returns a game half of whose bodies rest.
     pub(crate) fn half_at_rest(bodies: u32) -> Self {
-        Self::of(World::half_at_rest(bodies), &[MARGIN])
+        Self::of(World::half_at_rest(bodies), LOOKAHEAD, &[MARGIN])
     }
 
     /// Returns a game that asks ten questions after each frame.
@@ -112,7 +122,7 @@ impl Told<World> {
 
     /// Returns a game within walls, with two alert levels.
     pub(crate) fn within_walls(bodies: u32) -> Self {
-        Self::of(World::with_walls(bodies), &[0.0, MARGIN])
+        Self::of(World::with_walls(bodies), LOOKAHEAD, &[0.0, MARGIN])
     }
 
     /// Returns a game within walls with half of the time for a tick that a tick takes without a budget.
@@ -133,21 +143,21 @@ impl Told<World> {
 impl Told<Shots> {
     /// Returns ships whose shots ignore each other.
     pub(crate) fn shots(bodies: u32) -> Self {
-        Self::of(Shots::new(bodies, true), &[0.0])
+        Self::of(Shots::new(bodies, true), LOOKAHEAD, &[0.0])
     }
 
     /// Returns ships whose shots may meet each other.
     pub(crate) fn shots_without_layers(bodies: u32) -> Self {
-        Self::of(Shots::new(bodies, false), &[0.0])
+        Self::of(Shots::new(bodies, false), LOOKAHEAD, &[0.0])
     }
 }
 
 impl<W: MovingBodies> Told<W> {
-    /// Returns a game whose lookahead is known.
-    fn of((world, scene): (W, Scene), margins: &[f64]) -> Self {
+    /// Returns a game whose lookahead (s) is known.
+    fn of((world, scene): (W, Scene), lookahead: f64, margins: &[f64]) -> Self {
         let mut events = Vec::new();
         let levels: Vec<AlertLevel> = margins.iter().copied().map(AlertLevel::at).collect();
-        let monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels);
+        let monitor = Monitor::new(scene, 0.0, lookahead, &levels);
         let monitor = monitor.and_then(|mut monitor| {
             monitor.advance(0.0, &mut events)?;
             Ok(monitor)

@@ -37,6 +37,8 @@ pub(crate) struct World {
     rng: ChaCha8Rng,
     /// Half the side of the cube, m.
     half: f64,
+    /// Velocity of the cube, m/s.
+    common: DVec3,
     frame: u32,
     states: Vec<(BodyId, State)>,
 }
@@ -44,16 +46,22 @@ pub(crate) struct World {
 impl World {
     /// Returns `count` bodies, and a scene in which they coast from time 0 on.
     pub(crate) fn new(count: u32) -> (Self, Scene) {
-        Self::of(count, |_| false)
+        Self::of(count, DVec3::ZERO, |_| false)
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns bodies as those of [`new`](Self::new), of which every other one rests.
     pub(crate) fn half_at_rest(count: u32) -> (Self, Scene) {
-        Self::of(count, |number| number % 2 > 0)
+        Self::of(count, DVec3::ZERO, |number| number % 2 > 0)
     }
 
-    fn of(count: u32, rests: fn(u32) -> bool) -> (Self, Scene) {
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`new`](Self::new) in a cube that moves.
+    pub(crate) fn convoy(count: u32) -> (Self, Scene) {
+        Self::of(count, DVec3::new(300.0, 100.0, 0.0), |_| false)
+    }
+
+    fn of(count: u32, common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
         let mut rng = generator(1);
         let half = 0.5 * SPACING * f64::from(count).cbrt();
         let mut scene = Scene::new();
@@ -64,7 +72,7 @@ impl World {
         let states = (0..count).map(|number| {
             let position = uniform_vector(&mut rng, half);
             let velocity = uniform_vector(&mut rng, SPEED) * f64::from(u8::from(!rests(number)));
-            let state = State::new(0.0, position, velocity);
+            let state = State::new(0.0, position, velocity + common);
             let inserted = insert(state);
             let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
             (id, state)
@@ -73,6 +81,7 @@ impl World {
         let world = Self {
             rng,
             half,
+            common,
             frame: 0,
             states,
         };
@@ -110,11 +119,12 @@ impl MovingBodies for World {
         for (_, state) in &mut self.states {
             state.time = now;
             state.position += STEP * state.velocity;
-            if state.velocity != DVec3::ZERO && self.rng.random_ratio(1, STEADY) {
+            if state.velocity != self.common && self.rng.random_ratio(1, STEADY) {
                 let velocity = uniform_vector(&mut self.rng, SPEED);
-                let inwards = -velocity.abs() * state.position.signum();
-                let is_outside = state.position.abs().cmpgt(DVec3::splat(self.half));
-                state.velocity = DVec3::select(is_outside, inwards, velocity);
+                let place = state.position - now * self.common;
+                let inwards = -velocity.abs() * place.signum();
+                let is_outside = place.abs().cmpgt(DVec3::splat(self.half));
+                state.velocity = self.common + DVec3::select(is_outside, inwards, velocity);
             }
         }
     }

@@ -209,7 +209,7 @@ impl PlaneSearch<'_> {
         since: f64,
     ) -> f64 {
         let [until_a, until_b] = [first, second].map(|slot| {
-            let monitored = self.bodies.monitored.get(self.bodies.scene, slot);
+            let monitored = self.bodies.monitored.with_body(self.bodies.scene, slot);
             monitored.map_or(f64::INFINITY, |(monitored, _)| monitored.until())
         });
         let is_turning = a.turning.is_some() || b.turning.is_some();

@@ -479,8 +479,8 @@ impl LookaheadSearch {
     }
 
     /// Returns when both bodies of a pair exist, s, as far back as they are known.
-    pub(super) fn domain(&self, scene: &Scene, (a, b): (u32, u32)) -> Option<(f64, f64)> {
-        let [a, b] = [a, b].map(|slot| self.monitored.domain(scene, slot));
+    pub(super) fn domain(&self, (a, b): (u32, u32)) -> Option<(f64, f64)> {
+        let [a, b] = [a, b].map(|slot| self.monitored.domain(slot));
         common_part(a?, b?)
     }
 }

@@ -172,6 +172,7 @@ impl MonitoredBody {
     }
 
     /// Returns the plan and the hitbox as the narrow phase takes them.
+    #[inline(always)]
     pub(super) fn view<'s>(
         &'s self,
         trajectory: &'s Trajectory,
@@ -341,16 +342,6 @@ impl MonitoredBodies {
         }
     }
 
-    /// Returns the body in a slot.
-    pub(super) fn get<'s>(
-        &'s self,
-        scene: &'s Scene,
-        slot: u32,
-    ) -> Option<(&'s MonitoredBody, BodyView<'s>)> {
-        let (monitored, body) = self.with_body(scene, slot)?;
-        Some((monitored, monitored.view(&body.trajectory, body.shape())))
-    }
-
     /// Returns the facts about the body in a slot, and the body.
     #[inline]
     pub(super) fn with_body<'s>(
@@ -362,15 +353,18 @@ impl MonitoredBodies {
         Some((monitored, &scene.in_slot(slot)?.1.body))
     }
 
+    /// Returns the body in a slot as the narrow phase takes it.
+    #[inline(always)]
     pub(super) fn view<'s>(&'s self, scene: &'s Scene, slot: u32) -> Option<BodyView<'s>> {
-        self.get(scene, slot).map(|(_, view)| view)
+        let (monitored, body) = self.with_body(scene, slot)?;
+        Some(monitored.view(&body.trajectory, body.shape()))
     }
 
     /// Returns the interval in which the body in a slot exists, as far back as it is known (s); also beyond
     /// the time up to which it is followed, if it goes on there.
-    pub(super) fn domain(&self, scene: &Scene, slot: u32) -> Option<(f64, f64)> {
-        let (monitored, view) = self.get(scene, slot)?;
-        let (start, end) = view.knots.ends();
+    pub(super) fn domain(&self, slot: u32) -> Option<(f64, f64)> {
+        let monitored = self.by_slot.get(slot as usize)?.as_ref()?;
+        let (start, end) = monitored.ends;
         let is_endless = monitored.is_endless;
         (start <= end).then_some((start, if is_endless { f64::INFINITY } else { end }))
     }

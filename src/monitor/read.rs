@@ -12,6 +12,7 @@ use super::reading::{ConflictCache, EncounterCache};
 use super::solved_conflict::SolvedConflict;
 use super::solved_spans::SlotPair;
 use crate::conflict::{Clip, Conflict};
+use crate::id::BodyId;
 use crate::narrow_phase::{BodyView, Contact};
 use crate::scene::Scene;
 use crate::screen::{conflict, describe};
@@ -86,27 +87,37 @@ impl ReadContext<'_> {
         conflicts: &mut ConflictCache,
         encounters: &mut EncounterCache,
     ) {
-        let Some(domain) = self.search.domain(self.scene, slots) else {
+        let Some(domain) = self.search.domain(slots) else {
+            return;
+        };
+        let (Some(names), Some([a, b])) = (self.names(slots), self.views(slots)) else {
             return;
         };
         let has_plateau = self.search.solved.has_plateau(slots);
-        let solved = |contact: &Contact| {
-            Some(SolvedConflict {
-                conflict: self.report(slots, domain, contact)?,
-                plateau: contact.closest.plateau,
-                has_plateau,
-            })
+        let solved = |contact: &Contact| SolvedConflict {
+            conflict: conflict(contact, names, (&a, &b), domain),
+            plateau: contact.closest.plateau,
+            has_plateau,
+        };
+        let planned = |solved: SolvedConflict, enter: Option<f64>| PlannedEncounter {
+            solved,
+            enter,
+            open: false,
+            passed: None,
         };
         let ReadScratch { contacts, released } = scratch;
         self.contacts(slots, alert.margin, domain, contacts);
-        for conflict in contacts.iter().filter_map(solved) {
-            conflicts.add(slots, conflict);
+        for contact in &*contacts {
+            let solved = solved(contact);
+            conflicts.add(slots, solved);
+            if !alert.has_release() {
+                encounters.add(slots, planned(solved, Some(contact.enter)));
+            }
         }
-        if alert.has_release() {
-            self.contacts(slots, alert.release, domain, released);
-        } else {
-            released.clone_from(contacts);
+        if !alert.has_release() {
+            return;
         }
+        self.contacts(slots, alert.release, domain, released);
         // Both lists are in order of time. A pair may have thousands.
         let mut rest = &contacts[..];
         for outer in &*released {
@@ -115,21 +126,13 @@ impl ReadContext<'_> {
             rest = &rest[rest.partition_point(|contact| contact.exit < outer.enter)..];
             let within = &rest[..rest.partition_point(|contact| contact.enter <= outer.exit)];
             let (first, last) = (within.first(), within.last());
-            let Some(mut solved) = solved(outer) else {
-                continue;
-            };
+            let mut solved = solved(outer);
             if let (Some(first), Some(last)) = (first, last) {
                 let conflict = &mut solved.conflict;
                 conflict.enter = conflict.enter.min(first.enter);
                 conflict.exit = conflict.exit.max(last.exit);
             }
-            let planned = PlannedEncounter {
-                solved,
-                enter: first.map(|contact| contact.enter),
-                open: false,
-                passed: None,
-            };
-            encounters.add(slots, planned);
+            encounters.add(slots, planned(solved, first.map(|contact| contact.enter)));
         }
     }
 
@@ -232,14 +235,12 @@ impl ReadContext<'_> {
         Some([view(a)?, view(b)?])
     }
 
-    /// Returns the conflict of a contact of a pair, clipped to an interval (s).
-    fn report(&self, slots: SlotPair, window: (f64, f64), contact: &Contact) -> Option<Conflict> {
+    /// Returns the ids and tags of a pair.
+    fn names(&self, (a, b): SlotPair) -> Option<[(BodyId, u64); 2]> {
         let name = |slot| {
             let (id, entry) = self.scene.in_slot(slot)?;
             Some((id, entry.body.tag))
         };
-        let names = [name(slots.0)?, name(slots.1)?];
-        let [a, b] = self.views(slots)?;
-        Some(conflict(contact, names, (&a, &b), window))
+        Some([name(a)?, name(b)?])
     }
 }

@@ -31,13 +31,14 @@ impl MortonOrder {
         let step = boxes.len().div_ceil(Self::SAMPLE).max(1);
         let mut order = Self::default();
         for axis in 0..3 {
-            let some = boxes.iter().step_by(step);
-            let mut some: Vec<f32> = some.map(|(_, body)| middle(&body.aabb, axis)).collect();
-            some.sort_unstable_by(f32::total_cmp);
-            let at = |eighths: usize| some.get(some.len() * eighths / 8).copied();
-            let [Some(first), Some(median), Some(last)] = [1, 4, 7].map(at) else {
-                continue;
-            };
+            // No list: a tick allocates nothing.
+            let (mut some, mut count) = ([0.0; Self::SAMPLE], 0);
+            for (_, body) in boxes.iter().step_by(step) {
+                some[count] = middle(&body.aabb, axis);
+                count += 1;
+            }
+            some[..count].sort_unstable_by(f32::total_cmp);
+            let [first, median, last] = [1, 4, 7].map(|eighths| some[count * eighths / 8]);
             let farthest = (high[axis] - median).max(median - low[axis]);
             // Of boxes at even distances, three quarters lie between these eighths.
             let most = 4.0 / 3.0 * (last - median).max(median - first);
