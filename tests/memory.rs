@@ -98,8 +98,8 @@ fn of_screening(segments: u32, outside: Outside) -> f64 {
     }
     let before = USED.load(Ordering::Relaxed);
     let window = Window::new(0.0, 100.0).unwrap();
-    // Equally many: the memory of a search is kept, and differs with their number.
-    let query = Query::new(window).with_slices(NonZeroU32::new(4).unwrap());
+    // One: the memory of a search is kept, and differs with their number, and with the threads that share them.
+    let query = Query::new(window).with_slices(NonZeroU32::MIN);
     scene.screen(&query).unwrap();
     share(before, BODIES)
 }

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
 use super::grid::{Grid, GridReview, SceneEstimate};
-use super::lookahead::push_once;
+use super::lookahead::{LookaheadSearch, push_once};
 use super::monitored_bodies::MonitoredBody;
 use super::pending_change::ChangeContext;
 use super::read::LevelCaches;
@@ -408,9 +408,8 @@ impl Monitor {
         Ok(())
     }
 
-    /// Drops all state derived from the scene, and starts again on this grid.
-    pub(super) fn renew(&mut self, grid: Grid) -> Result<(), Error> {
-        let renewed = self.search.anew(grid);
+    /// Drops all state derived from the scene, and starts again with this search, which knows nothing.
+    fn renew(&mut self, renewed: LookaheadSearch) -> Result<(), Error> {
         let before = std::mem::replace(&mut self.search, renewed);
         if let Err(error) = self.prepare_all_bodies() {
             self.search = before;
@@ -422,7 +421,8 @@ impl Monitor {
 
     /// Drops all state derived from the scene, and keeps the grid.
     pub(super) fn forget_search(&mut self) -> Result<(), Error> {
-        self.renew(self.search.grid)
+        let search = &self.search;
+        self.renew(LookaheadSearch::new(search.grid, search.max_spans))
     }
 
     /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the
@@ -452,7 +452,7 @@ impl Monitor {
             self.search.grid.confirm(&other);
             return Ok(());
         }
-        self.renew(other)
+        self.renew(self.search.anew(other))
     }
 
     /// Lets a body follow a straight motion from an instant (s) on, in the memory of its plan:
