@@ -46,24 +46,24 @@ pub(crate) struct World {
 impl World {
     /// Returns `count` bodies, and a scene in which they coast from time 0 on.
     pub(crate) fn new(count: u32) -> (Self, Scene) {
-        Self::of(count, DVec3::ZERO, |_| false)
+        Self::of((count, SPACING), DVec3::ZERO, |_| false)
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns bodies as those of [`new`](Self::new), of which every other one rests.
     pub(crate) fn half_at_rest(count: u32) -> (Self, Scene) {
-        Self::of(count, DVec3::ZERO, |number| number % 2 > 0)
+        Self::of((count, SPACING), DVec3::ZERO, |number| number % 2 > 0)
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
-    /// Returns bodies as those of [`new`](Self::new) in a cube that moves.
+    /// Returns bodies as those of [`new`](Self::new), one in 20^3 m, in a cube that moves.
     pub(crate) fn convoy(count: u32) -> (Self, Scene) {
-        Self::of(count, DVec3::new(300.0, 100.0, 0.0), |_| false)
+        Self::of((count, 20.0), DVec3::new(300.0, 100.0, 0.0), |_| false)
     }
 
-    fn of(count: u32, common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
+    fn of((count, spacing): (u32, f64), common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
         let mut rng = generator(1);
-        let half = 0.5 * SPACING * f64::from(count).cbrt();
+        let half = 0.5 * spacing * f64::from(count).cbrt();
         let mut scene = Scene::new();
         let mut insert = |state| {
             let body = Body::new(Trajectory::coasting(state)?).with_hitbox(Hitbox::sphere(RADIUS)?);

@@ -107,16 +107,20 @@ impl<'m> BodyTable<'m> {
         Some((entry, needs_cubics))
     }
 
-    /// Returns those of some slots whose bodies may exist within an interval (s), and have a partner.
-    pub(super) fn present(
+    /// Lists those of some slots whose bodies may exist within an interval (s), and have a partner; replaces what the list
+    /// held.
+    pub(super) fn list_present(
         &self,
         slots: Range<usize>,
         interval: (f64, f64),
-    ) -> impl Iterator<Item = u32> + Clone {
+        present: &mut Vec<u32>,
+    ) {
         let lives = self.monitored.present(slots.clone());
-        let present = slots.zip(lives);
-        let present = present.filter(move |&(_, (life, _))| common_part(life, interval).is_some());
-        present.map(|(slot, _)| short(slot))
+        let lives = slots
+            .zip(lives)
+            .filter(|(_, (life, _))| common_part(*life, interval).is_some());
+        present.clear();
+        present.extend(lives.map(|(slot, _)| short(slot)));
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,

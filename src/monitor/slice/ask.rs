@@ -52,11 +52,16 @@ impl BoxIndex {
         let fat_lines = &mut self.fat_lines;
         fat_lines.resize(bodies.monitored.len(), LookaheadSlice::NO_FAT_LINE);
         let mut listed = Vec::new();
-        let slots = bodies.present(0..bodies.monitored.len(), (from, to));
-        bodies.boxes(slots, &[from, to], &mut |_, boxed, fat_line| {
-            fat_lines[boxed.body as usize] = *fat_line;
-            listed.push(boxed);
-        });
+        let mut present = Vec::new();
+        bodies.list_present(0..bodies.monitored.len(), (from, to), &mut present);
+        bodies.boxes(
+            present.iter().copied(),
+            &[from, to],
+            &mut |_, boxed, fat_line| {
+                fat_lines[boxed.body as usize] = *fat_line;
+                listed.push(boxed);
+            },
+        );
         self.boxes.build(&listed);
     }
 
@@ -70,18 +75,21 @@ impl BoxIndex {
         neighbours: &mut Vec<NearBody>,
     ) {
         let SliceScratch {
-            block, search, met, ..
+            block,
+            search,
+            slots,
+            ..
         } = scratch;
         form(&bodies.grid.frame, source, &[interval.0, interval.1], block);
         let own = &block.slices[0];
-        met.clear();
+        slots.clear();
         self.boxes.meeting(&own.boxes, search, |_, slot| {
             // They lie anywhere in memory, and are read when all are known.
             prefetch(from_ref(&self.fat_lines[slot as usize]));
-            met.push(slot);
+            slots.push(slot);
         });
         for fat_line in &own.fat_lines {
-            neighbours.extend(met.iter().filter_map(|&slot| {
+            neighbours.extend(slots.iter().filter_map(|&slot| {
                 let theirs = &self.fat_lines[slot as usize];
                 let (from, to) = approaching(fat_line, theirs, interval)?;
                 Some(NearBody { slot, from, to })

@@ -292,16 +292,15 @@ impl LookaheadSlice {
         match self.stage {
             BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
-                let until = self.list(bodies, slots, &mut boxed);
+                let until = self.list(bodies, slots, (&mut boxed, &mut scratch.slots));
                 self.boxed = boxed;
                 self.stage = BuildStage::Listing(until);
                 until - slots
             }
             BuildStage::Placing(slots) if slots < self.due_slots(bodies) => {
-                let listed = &mut scratch.listed;
-                listed.clear();
-                let until = self.list(bodies, slots, listed);
-                self.index.boxes.move_to(listed);
+                scratch.listed.clear();
+                let until = self.list(bodies, slots, (&mut scratch.listed, &mut scratch.slots));
+                self.index.boxes.move_to(&scratch.listed);
                 self.stage = BuildStage::Placing(until);
                 until - slots
             }
@@ -323,7 +322,7 @@ impl LookaheadSlice {
             }
             BuildStage::Compared(slots) => {
                 let mut boxed = std::mem::take(&mut self.boxed);
-                let until = self.list(bodies, slots, &mut boxed);
+                let until = self.list(bodies, slots, (&mut boxed, &mut scratch.slots));
                 self.boxed = boxed;
                 self.stage = BuildStage::Compared(until);
                 if until == bodies.monitored.len() {
@@ -345,15 +344,20 @@ impl LookaheadSlice {
     }
 
     /// Appends the boxes of slots from `first` on to a list, as many as are due, but not too many at a
-    /// time; returns the slot that comes next.
-    fn list(&mut self, bodies: &BodyTable<'_>, first: usize, listed: &mut Vec<BodyBox>) -> usize {
+    /// time; returns the slot that comes next. The slots of bodies that exist are listed meanwhile.
+    fn list(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        first: usize,
+        (listed, present): (&mut Vec<BodyBox>, &mut Vec<u32>),
+    ) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
-        let slots = bodies.present(first..until, self.interval);
+        bodies.list_present(first..until, self.interval, present);
         let ends = self.ends();
         let fat_lines = &mut self.index.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let before = listed.len();
-        bodies.boxes(slots, &ends, &mut |_, boxed, fat_line| {
+        bodies.boxes(present.iter().copied(), &ends, &mut |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });

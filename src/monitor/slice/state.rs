@@ -57,8 +57,8 @@ pub(in crate::monitor) struct SliceScratch {
     pub(in crate::monitor) block: SliceBlock,
     pub(super) search: TreeSearch,
     pub(super) refiner: CandidateRefiner,
-    /// Slots whose boxes overlap one.
-    pub(super) met: Vec<u32>,
+    /// Slots of boxes that overlap one, or of bodies that exist in a slice.
+    pub(super) slots: Vec<u32>,
     pub(super) sweep: Sweep,
 }
 
