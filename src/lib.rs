@@ -33,7 +33,7 @@
 //! | those of a body that is not in the scene | [`Scene::conflicts_with`] |
 //! | those of two bodies, without a scene | the functions of [`pair`] |
 //! | events while bodies move and plans change | [`Monitor`] |
-//! | a plan tried before it is flown | [`Monitor::what_if`] |
+//! | plans tried before they are flown | [`Monitor::what_if`], [`Monitor::what_if_plans`] |
 //! | closest approaches of cubics in batches | the module [`kernels`] |
 //!
 //! # The way the data flows

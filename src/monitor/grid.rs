@@ -215,8 +215,11 @@ impl Grid {
         let [before, now] =
             [&self.estimate, estimate].map(|one| Self::number(one.slices, scene.len(), one));
         let is_alike = now <= FEW * before && before <= FEW * now;
+        // Bodies that exist for longer take more memory.
+        let memory = self.slice_count * Self::memory(scene.len(), estimate);
+        let has_memory = self.slice_count <= Self::FEWEST || memory <= 2.0 * Self::MAX_MEMORY;
         let frame = Frame::around(self.estimate.middle, self.margin.abs());
-        is_alike && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
+        is_alike && has_memory && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
     }
 
     /// Returns true if the grid serves a scene about as well as another grid that was chosen for it.

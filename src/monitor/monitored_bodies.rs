@@ -94,8 +94,15 @@ impl MonitoredBody {
         self.is_extended = window.end() >= self.ends.1;
         self.beyond = (0, 0);
         if self.is_extended {
-            (self.beyond.1, self.ends.1) = trajectory.pieces_after(window.end());
+            (self.beyond.1, self.ends.1) = trajectory.pieces_after(Self::far_end(window));
         }
+    }
+
+    /// Returns the instant up to which a motion that replaces another one is followed if pieces beyond it are: far enough
+    /// that bodies which are told again within some lookaheads need no more of them, s.
+    fn far_end(window: Window) -> f64 {
+        const AHEAD: f64 = 16.0;
+        window.end() + AHEAD * (window.end() - window.start())
     }
 
     /// Takes the facts about a plan between its knots.
@@ -120,7 +127,8 @@ impl MonitoredBody {
     /// what ended before another one (s) is dropped, and is followed over `window` then.
     #[inline]
     fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
-        self.beyond.0 == 0 && self.last.is_replaced_by(motion, times, self.ends.0, window)
+        let (starts, far) = ((self.ends.0, window.start()), Self::far_end(window));
+        self.beyond.0 == 0 && self.last.is_replaced_by(motion, times, starts, far)
     }
 
     /// Follows a plan beyond its knots up to an instant (s), if its knots do not reach that far; and then far beyond

@@ -8,8 +8,9 @@ use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::narrow_phase::BodyView;
+use crate::rounding::exact_interval;
 use crate::scene::{Body, BodyPlanRef, PairAdmission};
-use crate::screen::{PairQuestion, SolveScratch, conflict, push_conflicts};
+use crate::screen::{PairQuestion, SolveScratch, conflict, extremes_of, is_apart, push_conflicts};
 use crate::shape::BodyShape;
 use crate::spans::in_order;
 use crate::trajectory::Trajectory;
@@ -54,7 +55,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`], [`Error::InBody`]; [`Error::UnknownAlertLevel`]; in a body [`Error::NoNewPlan`] if the body
+    /// [`Error::UnknownAlertLevel`]; [`Error::UnknownBody`], [`Error::InBody`]; in a body [`Error::NoNewPlan`] if the body
     /// exists now and the plan does not, or if the plan has ended by now; [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
@@ -69,8 +70,9 @@ impl Monitor {
     /// have if each of them followed its plan from now on: those with each other, and those with all other
     /// bodies. Nothing is changed.
     ///
-    /// Each plan is taken as by [`what_if`](Self::what_if). The last plan of a body that is named twice counts.
-    /// All pairs of the named bodies are compared, whatever their distance: some hundred bodies make a question for a frame.
+    /// Each plan is taken as by [`what_if`](Self::what_if). The last plan of a body that is named twice counts; those
+    /// before it are checked as well. All pairs of the named bodies are compared by boxes of all of their way: a
+    /// question about thousands takes longer than a screening of the scene with their plans.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -213,6 +215,11 @@ impl Monitor {
         }
         let is_given = |slot| bodies.binary_search_by_key(&slot, |body| body.id.slot);
         let (mut conflicts, mut scratch) = (Vec::new(), SolveScratch::default());
+        let searched = exact_interval(window);
+        let ranges = bodies
+            .iter()
+            .map(|body| extremes_of(&body.view(), searched));
+        let ranges: Vec<_> = ranges.collect();
         for (place, body) in bodies.iter().enumerate() {
             let (own_slot, own) = (body.id.slot, body.view());
             let name = (body.id, body.tag);
@@ -231,8 +238,9 @@ impl Monitor {
                     conflicts.push(conflict(contact, [a, b], (view_a, view_b), window));
                 },
             );
-            for later in &bodies[place + 1..] {
-                if !admits(own_slot, later.id.slot) {
+            for (later, range) in bodies.iter().zip(&ranges).skip(place + 1) {
+                let reaches = [body.shape.reach(), later.shape.reach(), margin];
+                if is_apart(&ranges[place], range, reaches) || !admits(own_slot, later.id.slot) {
                     continue;
                 }
                 let name_b = (later.id, later.tag);

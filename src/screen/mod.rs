@@ -13,6 +13,7 @@ mod prepared;
 mod solve;
 mod survey;
 
+pub(crate) use one::{extremes_of, is_apart};
 pub(crate) use pair::push_conflicts;
 pub(crate) use solve::{PairQuestion, SolveScratch, conflict, describe};
 

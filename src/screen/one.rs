@@ -97,7 +97,7 @@ fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) ->
 }
 
 /// Returns a box around a motion between two instants (s), cubic by cubic, m; to rounding.
-fn extremes_of(view: &BodyView<'_>, (start, end): (f64, f64)) -> DAabb {
+pub(crate) fn extremes_of(view: &BodyView<'_>, (start, end): (f64, f64)) -> DAabb {
     let mut extremes = DAabb::NOTHING;
     for cubic in 0..view.knots.cubics() {
         let from = view.knots.at(cubic).max(start);
@@ -120,7 +120,7 @@ fn extremes_of(view: &BodyView<'_>, (start, end): (f64, f64)) -> DAabb {
 
 /// Returns true if two boxes are certainly farther apart on some axis than two reaches and a margin, which may be
 /// negative, add up to (m).
-fn is_apart(one: &DAabb, other: &DAabb, reaches: [f64; 3]) -> bool {
+pub(crate) fn is_apart(one: &DAabb, other: &DAabb, reaches: [f64; 3]) -> bool {
     /// Bound of the rounding of the boxes and the sum, relative to their numbers: far above the true one.
     const ROUNDING: f64 = 1e-12;
     let size = [one.low, one.high, other.low, other.high].map(|corner| corner.abs().max_element());

@@ -10,7 +10,6 @@ use super::segment_lists::SegmentLists;
 use super::straight::StraightMotion;
 use crate::count::short;
 use crate::rounding::without_negative_zero;
-use crate::window::Window;
 use std::iter::once;
 use std::sync::OnceLock;
 
@@ -251,22 +250,22 @@ impl LastMotion {
 
     /// Returns true if a motion certainly [replaces](super::Trajectory::replace_checked) the last one at `from` (s),
     /// after what ended before `since` (s) is dropped. There is room, and the last motion goes on in one piece from
-    /// its knot to `from`. The new motion differs from it, and can be followed in all pieces that cover `window`.
-    /// `first_knot`: the first one (s) of the trajectory.
+    /// its knot to `from`. The first knot of the trajectory is before another instant (both s). The new motion differs from
+    /// the last one, and can be followed in all pieces up to `far` (s).
     #[inline]
     pub(crate) fn is_replaced_by(
         &self,
         motion: &StraightMotion,
         (from, since): (f64, f64),
-        first_knot: f64,
-        window: Window,
+        (first_knot, start): (f64, f64),
+        far: f64,
     ) -> bool {
-        // Each piece is twice as long as the one before it.
-        let end = from + 2.0 * (window.end() - from).max(0.0) + motion.duration();
+        // All pieces up to some cut last as long as the next one does, but for the duration of the first.
+        let end = from + 2.0 * (far - from).max(0.0) + motion.duration();
         let is_resolved = motion.duration() > 2.0 * f64::EPSILON * from.abs();
         let is_other = (motion.start() - self.start).abs() > 0.0 && motion.moves();
         is_other
-            && first_knot < window.start()
+            && first_knot < start
             && self.full_until < since
             && self.knot < from
             && from - self.knot <= Self::IN_ONE_PIECE

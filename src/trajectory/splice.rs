@@ -399,7 +399,8 @@ mod tests {
                 assert!(other.can_replace(now, &motion, window(now)));
                 let first = one.piece_knots()[0];
                 let last = one.last_motion();
-                let is_checked = last.is_replaced_by(&motion, (now, since), first, window(now));
+                let is_checked =
+                    last.is_replaced_by(&motion, (now, since), (first, now - 1.0), now + ahead);
                 if is_checked {
                     checked += 1;
                     assert!(one.domain().contains(now) && !one.follows(&motion, now));

@@ -6,8 +6,8 @@ use parry3d::bounding_volume::Aabb;
 
 /// A curve through space on which what is near in place is near in space.
 ///
-/// Cells are equally long as far as most boxes reach from their median, and twice as long from each doubling of that
-/// distance to the next: a few boxes far away leave cells enough for the others.
+/// Cells are equally long within a distance from the median in which most boxes are, twice as long from there to three times
+/// the distance, and so on: a few boxes far away leave cells enough for the others.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MortonOrder {
     median: [f32; 3],

@@ -224,7 +224,8 @@ impl Handle {
     }
 
     /// Asks which conflicts some bodies would have at an alert level if each followed its plan from now on: the answer is
-    /// the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
+    /// the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks. No budget limits the
+    /// time of the answer, in which the monitor does nothing else: ask about some hundred bodies at a time.
     ///
     /// # Errors
     ///

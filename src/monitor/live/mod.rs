@@ -29,8 +29,8 @@ use worker::Worker;
 /// - Between two clock requests the latest plan for a body wins: a plan that the next one for that body
 ///   replaces altogether (see [`Request`]) is superseded without being tried. Clock requests merge only where
 ///   nothing lies between them. Batches are never taken apart, and nothing is merged across them, nor across a
-///   question ([`Handle::what_if`]), whose answer is about all requests before it. Send plans one by one if
-///   they need not take effect together: superseded plans in a batch cost as much as others.
+///   question ([`Handle::what_if`], [`Handle::what_if_plans`]), whose answer is about all requests before it. Send
+///   plans one by one if they need not take effect together: superseded plans in a batch cost as much as others.
 /// - Every request sent is in the end applied, superseded or refused: [`Counts`] adds up. A change that is
 ///   applied is not reported on its own: it was, once a later request is. A late plan or state is, if it is
 ///   followed from later on than it says: [`ReportKind::Late`].
