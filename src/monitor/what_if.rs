@@ -215,11 +215,10 @@ impl Monitor {
         }
         let is_given = |slot| bodies.binary_search_by_key(&slot, |body| body.id.slot);
         let (mut conflicts, mut scratch) = (Vec::new(), SolveScratch::default());
-        let searched = exact_interval(window);
-        let ranges = bodies
-            .iter()
-            .map(|body| extremes_of(&body.view(), searched));
-        let ranges: Vec<_> = ranges.collect();
+        // A single body has no pair here.
+        let count = if bodies.len() > 1 { bodies.len() } else { 0 };
+        let range = |body: &HypotheticalBody<'_>| extremes_of(&body.view(), exact_interval(window));
+        let ranges: Vec<_> = bodies[..count].iter().map(range).collect();
         for (place, body) in bodies.iter().enumerate() {
             let (own_slot, own) = (body.id.slot, body.view());
             let name = (body.id, body.tag);
