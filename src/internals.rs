@@ -17,8 +17,8 @@
 //!    - A change holds `from` an instant on. Pieces and spins that end before `since` (`forget_before`) are
 //!      dropped. A *late* plan is to be followed from before the clock: see `Monitor::replan`.
 //! 2. `orientation`: the *parts* of an orientation, as given, become *pieces*, each an arc or a cubic. These
-//!    become cubics of matrices between cuts of their own; the rotation is *baked*. A `TurningCell` lies
-//!    between neighbouring cuts of one body, a *cell* between those of both. The *way* of a point is its path
+//!    become cubics of matrices between cuts of their own; the rotation is *baked*. A `TurningSection` lies
+//!    between neighbouring cuts of one body, a *section* between those of both. The *way* of a point is its path
 //!    about the body's position; how far its cubic is off, in metres, is the `path_error`. A *spin* is a
 //!    rotation at an instant with a constant angular velocity.
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is an index in a list, above all its
@@ -48,7 +48,7 @@
 //!    has these and the ends of the span as *nodes*. A *dip* is a minimum that the rounding of the squared
 //!    distance hides; a *plateau* is a distance that is constant to rounding. A *contact* unites
 //!    the intervals of spans and spheres that are within a threshold. Where a body turns, a span is cut into
-//!    *cells*. A *question* about clusters says how near two spheres must come in each *step* of an interval to
+//!    *sections*. A *question* about clusters says how near two spheres must come in each *step* of an interval to
 //!    matter. Which spheres are nearer is certain beyond the *slack*, an allowance for
 //!    rounding.
 //! 8. `enclosure`: branch and bound over the parts of a span. A *minorant* is a quadratic below a squared
@@ -61,7 +61,7 @@
 //!     budget.
 //!     - The *grid* is the frame and the length of slices. A slice is *needed* if it overlaps the lookahead. Work on
 //!       the next slice is *due* in shares; it is *put off* where there is too little room. A slice is *fresh* when
-//!       all work on it that is due is done: then changed bodies are compared with all bodies. Each body has its box in a *lane* of the leaves of a tree.
+//!       all work on it that is due is done: then changed bodies are compared with all bodies. Each body has its box at a place in the leaves of a tree.
 //!       The number of slices follows from *statistics* of motion.
 //!     - A search *from nothing* forms boxes of all bodies for itself alone, and keeps none. A *jump* of the clock
 //!       is searched so, in *chunks* of time.

@@ -35,7 +35,7 @@
 //! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |
 //! | twice the error in it | `orientation/turning` | proof 13 |
 //! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/clusters` | `clusters::tests` |
-//! | instants of a bounding sphere | `narrow_phase/clusters/cells` | proof 14 |
+//! | instants of a bounding sphere | `narrow_phase/clusters/sections` | proof 14 |
 //! | coefficients of pairs of spheres, and of parts of them | `narrow_phase/clusters/candidates` | `clusters::tests`, `candidates::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |

@@ -118,8 +118,8 @@ impl DistanceProfile {
         let mut nodes = self.nodes().iter().peekable();
         let forms = cubic.power_forms();
         let mut before = norm(cubic.points[0]);
-        for (cell, largest) in largest.iter_mut().enumerate() {
-            let end = (cell + 1) as f64 / N as f64;
+        for (part, largest) in largest.iter_mut().enumerate() {
+            let end = (part + 1) as f64 / N as f64;
             let after = norm(forms.at(end).0);
             *largest = before.max(after);
             while let Some(node) = nodes.next_if(|node| node.s <= end) {
@@ -365,24 +365,24 @@ mod tests {
         assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
     }
 
-    /// The largest distance in a cell: no instant of it is farther, and one is as far.
+    /// The largest distance in a part: no instant of it is farther, and one is as far.
     #[test]
     fn no_instant_of_a_cell_is_farther_than_its_largest_distance() {
-        const CELLS: usize = 4;
+        const PARTS: usize = 4;
         const SAMPLES: usize = 256;
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut peaks = 0;
         for round in 0..2_000 {
             let cubic = any_cubic(&mut rng, 0.0, 0.0);
-            let largest: [f64; CELLS] = DistanceProfile::of(&cubic).largest_in_parts(&cubic);
-            for (cell, largest) in largest.into_iter().enumerate() {
+            let largest: [f64; PARTS] = DistanceProfile::of(&cubic).largest_in_parts(&cubic);
+            for (part, largest) in largest.into_iter().enumerate() {
                 let distance = |sample: usize| {
                     let share = sample as f64 / SAMPLES as f64;
-                    cubic.distance((cell as f64 + share) / CELLS as f64)
+                    cubic.distance((part as f64 + share) / PARTS as f64)
                 };
                 let sampled = (0..=SAMPLES).map(distance).fold(0.0, f64::max);
                 let more = largest - sampled;
-                assert!((-1e-12..1e-3).contains(&more), "{round} {cell} {more}");
+                assert!((-1e-12..1e-3).contains(&more), "{round} {part} {more}");
                 peaks += u32::from(largest > distance(0).max(distance(SAMPLES)) + 1e-9);
             }
         }

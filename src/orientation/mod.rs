@@ -20,7 +20,7 @@ mod turning;
 
 pub(crate) use baked::BakedRotation;
 pub(crate) use told_spin::ToldSpin;
-pub(crate) use turning::{Turning, TurningCell};
+pub(crate) use turning::{Turning, TurningSection};
 
 use crate::error::Error;
 use crate::rounding::without_negative_zero;

@@ -7,7 +7,7 @@ mod terms;
 
 use super::Orientation;
 use super::given::GivenRotation;
-use super::turning::{Turning, TurningCell};
+use super::turning::{Turning, TurningSection};
 use crate::accuracy::Accuracy;
 use crate::error::{Error, Quantity};
 use crate::trajectory::Outside;
@@ -63,7 +63,7 @@ fn orientation(rng: &mut ChaCha8Rng, kind: usize) -> (GivenRotation, f64, f64) {
     (given, time, 4.0 * length)
 }
 
-/// Points of turning bodies stay within the error of their cubics, of whole cells and of parts, and
+/// Points of turning bodies stay within the error of their cubics, of whole sections and of parts, and
 /// the rotation at an instant is that of the definition.
 #[test]
 fn cubics_stay_within_their_error() {
@@ -83,15 +83,18 @@ fn cubics_stay_within_their_error() {
             continue;
         };
         let time = around + reach * rng.random_range(-0.3..1.3);
-        let cell: TurningCell = turning.cell_at(time, accuracy);
-        assert!(cell.start <= time && time < cell.end, "{cell:?} {time}");
-        let baked = turning.bake(&cell, accuracy);
+        let section: TurningSection = turning.section_at(time, accuracy);
+        assert!(
+            section.start <= time && time < section.end,
+            "{section:?} {time}"
+        );
+        let baked = turning.bake(&section, accuracy);
         let (mut start, mut end) = (
-            cell.start.max(time - reach),
-            cell.end.min(time + reach).max(time.next_up()),
+            section.start.max(time - reach),
+            section.end.min(time + reach).max(time.next_up()),
         );
         let mut part = baked;
-        if kind % 5 == 0 || cell.start < start || cell.end > end {
+        if kind % 5 == 0 || section.start < start || section.end > end {
             start += rng.random_range(0.0..1.0) * (time - start);
             end -= rng.random_range(0.0..1.0) * (end - time);
             part = baked.part((start, end));
@@ -110,7 +113,7 @@ fn cubics_stay_within_their_error() {
             let off = [0, 1, 2].map(|axis| &place[axis] - &found[axis]);
             let off = off.iter().map(|x| x * x).fold(big(0.0), |sum, x| sum + x);
             let off = off.sqrt().to_f64().value();
-            assert!(off <= error, "{kind}: {off} {error} {given:?} {cell:?}");
+            assert!(off <= error, "{kind}: {off} {error} {given:?} {section:?}");
             closest = closest.max(off / error);
             count += 1;
         }
@@ -140,11 +143,11 @@ fn rounding_is_within_its_bound() {
         };
         let orientation = Orientation::of(given.clone()).unwrap();
         let turning = orientation.turning().unwrap();
-        let cell = turning.cell_at(rng.random_range(-50.0..50.0), Accuracy::Certified);
-        let baked = turning.bake(&cell, Accuracy::Certified);
+        let section = turning.section_at(rng.random_range(-50.0..50.0), Accuracy::Certified);
+        let baked = turning.bake(&section, Accuracy::Certified);
         let point = vector(rng, 1.0);
         let points = baked.way(point);
-        for (time, found) in [(cell.start, points[0]), (cell.end, points[3])] {
+        for (time, found) in [(section.start, points[0]), (section.end, points[3])] {
             let place = turned(&exact(&given, &big(time)), point);
             let off = [0, 1, 2].map(|axis| (&place[axis] - big(found[axis])).to_f64().value());
             let off = DVec3::from_array(off).length() / point.length();
@@ -158,16 +161,16 @@ fn rounding_is_within_its_bound() {
     );
 }
 
-/// The cells between two instants.
-fn cells(
+/// The sections between two instants.
+fn sections(
     orientation: &Orientation,
     (from, to): (f64, f64),
     accuracy: Accuracy,
-) -> Vec<TurningCell> {
+) -> Vec<TurningSection> {
     let turning = orientation.turning().unwrap();
-    let mut found = vec![turning.cell_at(from, accuracy)];
+    let mut found = vec![turning.section_at(from, accuracy)];
     while found[found.len() - 1].end < to {
-        let next = turning.cell_at(found[found.len() - 1].end, accuracy);
+        let next = turning.section_at(found[found.len() - 1].end, accuracy);
         assert!(next.start <= found[found.len() - 1].end && next.end > next.start);
         found.push(next);
     }
@@ -181,20 +184,23 @@ fn cubics_per_revolution() {
         spin.with_tolerance(tolerance).unwrap()
     };
     for (tolerance, count) in [(1e-2, 5), (1e-3, 8), (1e-4, 15), (1e-6, 45)] {
-        let found = cells(&spin(tolerance), (0.0, 1.0 - 1e-9), Accuracy::Exact);
+        let found = sections(&spin(tolerance), (0.0, 1.0 - 1e-9), Accuracy::Exact);
         assert_eq!(found.len(), count);
     }
     let spin = Orientation::spin(0.3, DQuat::IDENTITY, TAU * DVec3::Z).unwrap();
     for (accuracy, count) in [(Accuracy::Exact, 8), (Accuracy::Certified, 45)] {
-        assert_eq!(cells(&spin, (0.3, 1.3 - 1e-9), accuracy).len(), count);
+        assert_eq!(sections(&spin, (0.3, 1.3 - 1e-9), accuracy).len(), count);
     }
     // A revolution in thirds.
     let third = |number: f64| (number, DQuat::from_rotation_z(number * TAU / 3.0));
     let slerp = Orientation::slerp(&[0.0, 1.0, 2.0, 3.0].map(third)).unwrap();
-    assert!(cells(&slerp, (0.0, 3.0 - 1e-9), Accuracy::Exact).len() <= 9);
+    assert!(sections(&slerp, (0.0, 3.0 - 1e-9), Accuracy::Exact).len() <= 9);
     let half = |number: f64| (number, DQuat::from_rotation_z(number * PI * (1.0 - 1e-6)));
     let slerp = Orientation::slerp(&[0.0, 1.0, 2.0].map(half)).unwrap();
-    assert_eq!(cells(&slerp, (0.0, 2.0 - 1e-9), Accuracy::Exact).len(), 8);
+    assert_eq!(
+        sections(&slerp, (0.0, 2.0 - 1e-9), Accuracy::Exact).len(),
+        8
+    );
 }
 
 /// Most bodies that turn at the same rate, to rounding, are cut at the same instants.
@@ -205,10 +211,10 @@ fn rates_that_differ_by_rounding_have_the_same_cuts() {
         let ends = (0..100).map(|_| {
             let axis = vector(&mut rng, 1.0).normalize();
             let spin = Orientation::spin(0.0, rotation(&mut rng), axis * TAU).unwrap();
-            let cells = cells(&spin, (0.0, 3.0), accuracy);
-            cells
+            let sections = sections(&spin, (0.0, 3.0), accuracy);
+            sections
                 .iter()
-                .map(|cell| cell.end.to_bits())
+                .map(|section| section.end.to_bits())
                 .collect::<Vec<u64>>()
         });
         let mut ends: Vec<Vec<u64>> = ends.collect();
@@ -227,23 +233,23 @@ fn cuts_do_not_depend_on_where_the_walk_begins() {
             continue;
         };
         let over = (around, around + reach.min(1e3));
-        let all = cells(&orientation, over, Accuracy::Exact);
+        let all = sections(&orientation, over, Accuracy::Exact);
         let turning = orientation.turning().unwrap();
-        for cell in all.iter().take(200) {
-            for time in [cell.start.max(around - reach), cell.end.next_down()] {
-                let found = turning.cell_at(time, Accuracy::Exact);
+        for section in all.iter().take(200) {
+            for time in [section.start.max(around - reach), section.end.next_down()] {
+                let found = turning.section_at(time, Accuracy::Exact);
                 assert!(
-                    found.start.to_bits() == cell.start.to_bits(),
-                    "{kind} {cell:?} {found:?}"
+                    found.start.to_bits() == section.start.to_bits(),
+                    "{kind} {section:?} {found:?}"
                 );
-                assert!(found.end.to_bits() == cell.end.to_bits(), "{kind}");
+                assert!(found.end.to_bits() == section.end.to_bits(), "{kind}");
             }
         }
     }
 }
 
-/// A rotation that goes on beyond its knots faster than a spin may be told is one cell, and unknown. It would have millions
-/// of cells a second.
+/// A rotation that goes on beyond its knots faster than a spin may be told is one section, and unknown. It would have millions
+/// of sections a second.
 #[test]
 fn what_goes_on_too_fast_is_one_cell() {
     let turn = |duration: f64| {
@@ -258,22 +264,22 @@ fn what_goes_on_too_fast_is_one_cell() {
             let orientation = orientation.with_outside(Outside::Coast);
             let turning = orientation.turning().unwrap();
             for accuracy in [Accuracy::Exact, Accuracy::Certified] {
-                let cell = turning.cell_at(5.0, accuracy);
+                let section = turning.section_at(5.0, accuracy);
                 assert!(
-                    cell.start <= duration && cell.end == f64::INFINITY,
-                    "{cell:?}"
+                    section.start <= duration && section.end == f64::INFINITY,
+                    "{section:?}"
                 );
-                assert!(turning.bake(&cell, accuracy).error() >= 1.0);
-                let cell = turning.cell_at(-5.0, accuracy);
+                assert!(turning.bake(&section, accuracy).error() >= 1.0);
+                let section = turning.section_at(-5.0, accuracy);
                 assert!(
-                    cell.start == f64::NEG_INFINITY && cell.end >= 0.0,
-                    "{cell:?}"
+                    section.start == f64::NEG_INFINITY && section.end >= 0.0,
+                    "{section:?}"
                 );
             }
         }
         let slow = build(&turn(1e-5)).unwrap().with_outside(Outside::Coast);
-        let cell = slow.turning().unwrap().cell_at(5.0, Accuracy::Exact);
-        assert!(cell.end - cell.start < 1e-5);
+        let section = slow.turning().unwrap().section_at(5.0, Accuracy::Exact);
+        assert!(section.end - section.start < 1e-5);
     }
 }
 
@@ -337,16 +343,16 @@ fn what_rounding_hides_is_unknown() {
     let spin = Orientation::spin(0.0, DQuat::IDENTITY, 1e6 * DVec3::Z).unwrap();
     let turning = spin.turning().unwrap();
     for time in [1e3, 1e12, -1e300] {
-        let cell = turning.cell_at(time, Accuracy::Certified);
-        let baked = turning.bake(&cell, Accuracy::Certified);
+        let section = turning.section_at(time, Accuracy::Certified);
+        let baked = turning.bake(&section, Accuracy::Certified);
         assert!(
             baked.error() >= 1.0 && baked.error() < 1.01,
-            "{time} {cell:?}"
+            "{time} {section:?}"
         );
-        assert!(cell.start <= time && time < cell.end);
+        assert!(section.start <= time && time < section.end);
     }
-    let cell = turning.cell_at(1.0, Accuracy::Certified);
-    assert!(turning.bake(&cell, Accuracy::Certified).error() < 2e-6);
+    let section = turning.section_at(1.0, Accuracy::Certified);
+    assert!(turning.bake(&section, Accuracy::Certified).error() < 2e-6);
 }
 
 /// Orientations follow each other; what is known of one before is as if all were made anew.

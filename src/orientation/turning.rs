@@ -30,7 +30,7 @@ pub(super) struct OrientationPart {
 
 /// An interval between neighbouring cuts of a turning motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TurningCell {
+pub(crate) struct TurningSection {
     piece: usize,
     /// First and last instant, s; may be infinite.
     pub(crate) start: f64,
@@ -165,12 +165,12 @@ impl Turning {
         after.saturating_sub(1)
     }
 
-    /// Returns the cell that holds an instant (s): the one that begins there, if one does.
+    /// Returns the section that holds an instant (s): the one that begins there, if one does.
     #[inline]
-    pub(crate) fn cell_at(&self, time: f64, accuracy: Accuracy) -> TurningCell {
+    pub(crate) fn section_at(&self, time: f64, accuracy: Accuracy) -> TurningSection {
         let number = self.piece_at(time);
         let (start, end, is_known) = self.pieces[number].around(time, set_of(accuracy));
-        TurningCell {
+        TurningSection {
             piece: number,
             start,
             end,
@@ -178,14 +178,14 @@ impl Turning {
         }
     }
 
-    /// Returns the cubic of a cell.
-    pub(crate) fn bake(&self, cell: &TurningCell, accuracy: Accuracy) -> BakedRotation {
-        let ends = (cell.start, cell.end);
-        if !cell.is_known {
+    /// Returns the cubic of a section.
+    pub(crate) fn bake(&self, section: &TurningSection, accuracy: Accuracy) -> BakedRotation {
+        let ends = (section.start, section.end);
+        if !section.is_known {
             return BakedRotation::unknown(ends);
         }
         let largest = Self::largest_error(self.tolerance(accuracy));
-        self.pieces[cell.piece].bake(ends, largest)
+        self.pieces[section.piece].bake(ends, largest)
     }
 
     /// Returns when a part is followed (s) if the motion is left at `from` (s); `None` if it never is,

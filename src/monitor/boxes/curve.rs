@@ -1,10 +1,10 @@
-//! An order of places in space.
+//! An order of points in space.
 
 use super::node::{corners, merged};
 use crate::broad_phase::BodyBox;
 use parry3d::bounding_volume::Aabb;
 
-/// A curve through space on which what is near in place is near in space.
+/// A curve through space on which what is near along it is near in space.
 ///
 /// Cells are equally long within a distance from the median in which most boxes are, twice as long from there to three times
 /// the distance, and so on: a few boxes far away leave cells enough for the others.

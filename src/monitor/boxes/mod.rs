@@ -20,15 +20,15 @@ use std::ops::Range;
 /// Bodies in a leaf at first; the rest of it is room for those that come.
 const FILLED: usize = 10;
 
-/// Marks a body without a lane, and a lane without a body.
+/// Marks a body without a place, and a place without a body.
 const NOWHERE: u32 = u32::MAX;
 
 /// Boxes by slot; a body that does not exist in the slice has none.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxTree {
-    /// Number of the lane of each slot's body. A lane is a place for one box in a leaf.
+    /// Place of each slot's body in the leaves: [`WIDTH`] for each node of the lowest level, one in each lane.
     index_of: Vec<u32>,
-    /// Slot in each lane: [`WIDTH`] lanes for each node of the lowest level.
+    /// Slot at each place.
     slot_at: Vec<u32>,
     /// The bodies' own boxes first, then those around each node of the level below; the highest
     /// has one node. Levels above it are spare memory.
@@ -41,8 +41,8 @@ pub(super) struct BoxTree {
     is_fitted: bool,
     /// Number of times that all bodies were put in order: names the current order.
     resort_count: u32,
-    /// Cost of searches for free lanes since all bodies were put in order, and number of boxes replaced in their lanes.
-    /// If it grows beyond the number of lanes, all are put in order again.
+    /// Cost of searches for free places since all bodies were put in order, and number of boxes replaced at their places.
+    /// If it grows beyond the number of places, all are put in order again.
     disorder: usize,
     sorted: Vec<(u32, BodyBox)>,
 }
@@ -55,7 +55,7 @@ impl BoxTree {
         self.put_in_order();
     }
 
-    /// Empties the tree and takes over the order of another: bodies can be moved to their lanes one by one, and
+    /// Empties the tree and takes over the order of another: bodies can be moved to their places one by one, and
     /// the whole be [fitted](Self::fit) once they are there.
     pub(super) fn begin_like(&mut self, other: &Self) {
         self.take_all_out();
@@ -78,7 +78,7 @@ impl BoxTree {
         self.is_fitted = true;
     }
 
-    /// Replaces the boxes of many bodies. Each keeps its lane, though other lanes may be nearer to it now.
+    /// Replaces the boxes of many bodies. Each keeps its place, though others may be nearer to it now.
     pub(super) fn replace(&mut self, boxes: &[BodyBox]) {
         for body in boxes {
             match self.index(body.body) {
@@ -110,7 +110,7 @@ impl BoxTree {
         self.slot_at.len() / WIDTH
     }
 
-    /// Returns how often all bodies were given other lanes.
+    /// Returns how often all bodies were given other places.
     pub(super) const fn resort_count(&self) -> u32 {
         self.resort_count
     }
@@ -142,7 +142,7 @@ impl BoxTree {
         }
     }
 
-    /// Gives lanes to what is listed for it: near lanes to what is near in space.
+    /// Gives places to what is listed for it: near places to what is near in space.
     fn put_in_order(&mut self) {
         self.take_all_out();
         let mut sorted = std::mem::take(&mut self.sorted);

@@ -1,4 +1,4 @@
-//! Lanes of bodies in a tree: a body finds one or leaves one, and the nodes above follow.
+//! Places of bodies in a tree: a body finds one or leaves one, and the nodes above follow.
 
 use super::node::{Corners, EMPTY, WIDTH, corners, is_inside, merged};
 use super::{BoxTree, NOWHERE};
@@ -7,7 +7,7 @@ use crate::simd::{InstructionSet, Task, prefetch};
 use std::slice::from_ref;
 
 impl BoxTree {
-    /// Replaces the boxes of some bodies, few of all: each finds the best lane for it.
+    /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
         InstructionSet::best().run(MoveBoxes { tree: self, boxes });
         if self.disorder > self.slot_at.len() {
@@ -54,7 +54,7 @@ impl BoxTree {
         self.shrink(index / WIDTH, old);
     }
 
-    /// Gives a lane to a body that has none: the nearest along the curve to the leaf where it
+    /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
     /// belongs.
     pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
         let leaves = self.leaves();
@@ -66,8 +66,10 @@ impl BoxTree {
                 .chain(after)
                 .filter(|&leaf| leaf < leaves)
             {
-                let lanes = leaf * WIDTH..(leaf + 1) * WIDTH;
-                let free = self.slot_at[lanes].iter().position(|&slot| slot == NOWHERE);
+                let places = leaf * WIDTH..(leaf + 1) * WIDTH;
+                let free = self.slot_at[places]
+                    .iter()
+                    .position(|&slot| slot == NOWHERE);
                 if let Some(lane) = free {
                     self.occupy(leaf * WIDTH + lane, body);
                     self.grow(leaf, corners(&body.aabb));
@@ -130,7 +132,7 @@ struct MoveBoxes<'b> {
 }
 
 impl MoveBoxes<'_> {
-    /// Boxes whose lanes are fetched together: they lie anywhere in memory.
+    /// Boxes whose nodes are fetched together: they lie anywhere in memory.
     const BATCH: usize = 16;
 }
 

@@ -5,7 +5,7 @@
 //! of its own. A sphere need not be solved while another one is lower, by more than rounding, over
 //! the whole part.
 
-use super::cells::{Cell, Cells, Rotations, each_near, nearest_first};
+use super::sections::{Rotations, Section, Sections, each_near, nearest_first};
 use crate::accuracy::Accuracy;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong};
@@ -57,10 +57,10 @@ impl<'a> TurningOverPlane<'a> {
             (radius >= 0.0).then(|| (whole.cubic, whole.uncertain(), threshold))
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        let cells = |interval| self.cells(interval);
-        each_near(&cells, (interval, after), &near, &mut |cell| {
-            self.each_lowest(cell, margin, (&mut rotations, &mut ways), |pair| {
-                solve(pair, cell.span)
+        let sections = |interval| self.sections(interval);
+        each_near(&sections, (interval, after), &near, &mut |section| {
+            self.each_lowest(section, margin, (&mut rotations, &mut ways), |pair| {
+                solve(pair, section.span)
             });
         });
     }
@@ -76,15 +76,15 @@ impl<'a> TurningOverPlane<'a> {
         let span = self.pair.span;
         let window = (window.0.max(span.start), window.1.min(span.end));
         let whole = self.bounding();
-        let height = |cell: &Cell| {
-            let middle = whole.cubic.parameter(cell.middle(window)?);
+        let height = |section: &Section| {
+            let middle = whole.cubic.parameter(section.middle(window)?);
             Some(whole.cubic.at(middle).0.x)
         };
         let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
-        nearest_first(self.cells(window), &height, &mut |cell| {
+        nearest_first(self.sections(window), &height, &mut |section| {
             let mut least = reached;
-            self.each_lowest(cell, reached, (&mut rotations, &mut ways), |pair| {
-                least = least.min(solve(pair, cell.span));
+            self.each_lowest(section, reached, (&mut rotations, &mut ways), |pair| {
+                least = least.min(solve(pair, section.span));
             });
             reached = least;
         });
@@ -94,21 +94,21 @@ impl<'a> TurningOverPlane<'a> {
     /// part of the span and be the lowest ones then.
     fn each_lowest(
         &self,
-        cell: &Cell,
+        section: &Section,
         margin: f64,
         (rotations, ways): (&mut Rotations, &mut Vec<SphereAlong>),
         mut visit: impl FnMut(&SpherePair),
     ) {
-        if let Some(heights) = self.find_within(cell, margin, rotations, ways) {
+        if let Some(heights) = self.find_within(section, margin, rotations, ways) {
             for sphere in &*ways {
-                visit(&self.pair.sphere_pair(cell.span, &heights, sphere));
+                visit(&self.pair.sphere_pair(section.span, &heights, sphere));
             }
         }
     }
 
-    fn cells(&self, interval: (f64, f64)) -> Cells<'a> {
+    fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
         let [a, b] = self.views;
-        Cells::of((a, b), self.pair.span, self.accuracy, interval)
+        Sections::of((a, b), self.pair.span, self.accuracy, interval)
     }
 
     /// Returns the bounding sphere over the whole span.
@@ -124,17 +124,17 @@ impl<'a> TurningOverPlane<'a> {
     /// sphere is certainly above.
     fn find_within(
         &self,
-        cell: &Cell,
+        section: &Section,
         margin: f64,
         rotations: &mut Rotations,
         ways: &mut Vec<SphereAlong>,
     ) -> Option<HeightCubic> {
-        let heights = self.pair.heights(cell.span);
+        let heights = self.pair.heights(section.span);
         let least = least_of(heights.points);
-        if margin < f64::INFINITY && least > self.pair.bound(margin, cell.span) {
+        if margin < f64::INFINITY && least > self.pair.bound(margin, section.span) {
             return None;
         }
-        let rotations = rotations.over(self.views, cell, self.accuracy);
+        let rotations = rotations.over(self.views, section, self.accuracy);
         let rotation = rotations[usize::from(self.pair.is_first)];
         let spheres = (0..).zip(self.pair.body.spheres);
         ways.clear();
@@ -155,7 +155,7 @@ impl<'a> TurningOverPlane<'a> {
                 }
             }
         }
-        let scale = self.pair.rounding_scale(cell.span);
+        let scale = self.pair.rounding_scale(section.span);
         let slack = 2.0 * rejection_threshold(0.0, scale);
         let margin = if margin < f64::INFINITY {
             rejection_threshold(margin, scale + margin.abs())
@@ -204,17 +204,17 @@ impl TurningOverPlane<'_> {
     /// Calls `visit` with every sphere in each part of the span.
     pub(super) fn each_sphere(&self, mut visit: impl FnMut(&SpherePair, Span)) {
         let span = self.pair.span;
-        for cell in self.cells((span.start, span.end)) {
-            let heights = self.pair.heights(cell.span);
+        for section in self.sections((span.start, span.end)) {
+            let heights = self.pair.heights(section.span);
             let mut rotations = Rotations::default();
-            let rotations = rotations.over(self.views, &cell, self.accuracy);
+            let rotations = rotations.over(self.views, &section, self.accuracy);
             let rotation = rotations[usize::from(self.pair.is_first)];
             for (number, sphere) in (0..).zip(self.pair.body.spheres) {
                 let sphere = (sphere.offset, sphere.radius);
                 let sphere = self.sphere(number, sphere, rotation);
                 visit(
-                    &self.pair.sphere_pair(cell.span, &heights, &sphere),
-                    cell.span,
+                    &self.pair.sphere_pair(section.span, &heights, &sphere),
+                    section.span,
                 );
             }
         }

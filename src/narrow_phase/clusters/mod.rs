@@ -17,13 +17,13 @@
 //! a margin or a slicing selects parts, and changes no bit of their results.
 
 mod candidates;
-mod cells;
 mod half_space;
 mod near;
 mod nearest;
 mod part;
 mod proven;
 mod search;
+mod sections;
 #[cfg(test)]
 mod tests;
 
@@ -35,7 +35,6 @@ use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_thre
 use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
-use cells::{Cell, Cells, Rotations, each_near, nearest_first};
 use glam::DVec3;
 use half_space::TurningOverPlane;
 use nearest::NearestQuestion;
@@ -43,6 +42,7 @@ use part::{PartScratch, SpheresOverPart};
 pub(super) use proven::ProvenContact;
 use proven::ProvenContacts;
 use search::{ClosestQuestion, ContactsQuestion};
+use sections::{Rotations, Section, Sections, each_near, nearest_first};
 
 /// Two bodies over a span, of which at least one is a cluster or turns.
 pub(super) struct ClusterPair<'a> {
@@ -93,8 +93,8 @@ impl<'a> ClusterPair<'a> {
             // A span may last for ever: its parts are not gone through before the interval comes there.
             return self.span.start;
         }
-        let last = self.cells((window.1, window.1)).last();
-        let reached = last.map_or(self.span.end, |cell| cell.span.end);
+        let last = self.sections((window.1, window.1)).last();
+        let reached = last.map_or(self.span.end, |section| section.span.end);
         // The last part may have bounding spheres that come near after `window` alone: it is solved as a whole.
         let parts = (window.0, reached.max(window.1));
         if let Some(over_plane) = self.over_plane() {
@@ -137,17 +137,17 @@ impl<'a> ClusterPair<'a> {
             return;
         }
         let cubic = self.cubic();
-        let distance = |cell: &Cell| {
-            let middle = cubic.parameter(cell.middle(window)?);
+        let distance = |section: &Section| {
+            let middle = cubic.parameter(section.middle(window)?);
             Some(cubic.at(middle).0.length_squared())
         };
         let (mut rotations, mut scratch) = (Rotations::default(), PartScratch::default());
-        nearest_first(self.cells(window), &distance, &mut |cell| {
-            let Some(part) = self.part(cell, reached, &mut rotations) else {
+        nearest_first(self.sections(window), &distance, &mut |section| {
+            let Some(part) = self.part(section, reached, &mut rotations) else {
                 return;
             };
-            let solve = |pair: &SpherePair| solve(pair, cell.span);
-            let is_whole = window.0 <= cell.span.start && cell.span.end <= window.1;
+            let solve = |pair: &SpherePair| solve(pair, section.span);
+            let is_whole = window.0 <= section.span.start && section.span.end <= window.1;
             let mut question = ClosestQuestion {
                 reached,
                 is_whole,
@@ -208,10 +208,10 @@ impl<'a> ClusterPair<'a> {
             let cubic = self.cubic();
             Some((cubic, cubic.uncertain(), threshold))
         };
-        let cells = |interval| self.cells(interval);
-        each_near(&cells, (interval, after), &near, &mut |cell| {
-            if let Some(part) = self.part(cell, margin, &mut rotations) {
-                visit(&part, cell.span, &mut scratch);
+        let sections = |interval| self.sections(interval);
+        each_near(&sections, (interval, after), &near, &mut |section| {
+            if let Some(part) = self.part(section, margin, &mut rotations) {
+                visit(&part, section.span, &mut scratch);
             }
         });
     }
@@ -221,8 +221,8 @@ impl<'a> ClusterPair<'a> {
         TurningOverPlane::of(self.a, self.b, self.span, self.accuracy)
     }
 
-    fn cells(&self, interval: (f64, f64)) -> Cells<'a> {
-        Cells::of((self.a, self.b), self.span, self.accuracy, interval)
+    fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
+        Sections::of((self.a, self.b), self.span, self.accuracy, interval)
     }
 
     /// Returns the distance within which the bounding spheres' centres are where the separation
@@ -253,16 +253,16 @@ impl<'a> ClusterPair<'a> {
     /// farther apart than `margin`, which may be infinite.
     fn part(
         &self,
-        cell: &Cell,
+        section: &Section,
         margin: f64,
         rotations: &mut Rotations,
     ) -> Option<SpheresOverPart<'a>> {
-        let (motion, scale) = (self.motion(cell.span), self.scale(cell.span));
+        let (motion, scale) = (self.motion(section.span), self.scale(section.span));
         if margin < f64::INFINITY && self.is_beyond(&motion, margin, scale) {
             return None;
         }
         let views = [self.a, self.b];
-        let rotations = rotations.over(views, cell, self.accuracy);
+        let rotations = rotations.over(views, section, self.accuracy);
         let motion = (motion, scale);
         Some(SpheresOverPart::new(
             views,

@@ -8,14 +8,14 @@ use super::search::Question;
 use crate::narrow_phase::profile::DistanceProfile;
 use crate::narrow_phase::sphere_pair::SpherePair;
 
-/// Number of equal parts of a cell, a multiple of that of the intervals into which it is halved.
+/// Number of equal parts of a section, a multiple of that of the intervals into which it is halved.
 const PARTS: usize = 8;
 
 /// Asks for the pairs that may come within `margin` (m) and be the nearest ones then; `solve` returns the profile of a
 /// pair's distance if that comes within the margin.
 pub(super) struct NearestQuestion<F> {
     margin: f64,
-    /// Separation that a pair must reach to matter in each equal part of the cell, m. `None` if that is the margin.
+    /// Separation that a pair must reach to matter in each equal part of the section, m. `None` if that is the margin.
     bounds: Option<[f64; PARTS]>,
     solve: F,
 }

@@ -7,7 +7,7 @@ use super::super::certified::{
 };
 use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
 use super::super::profile::{DistanceProfile, NO_CONTACT};
-use super::cells::Rotations;
+use super::sections::Rotations;
 use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
 use crate::hitbox::{Hitbox, Sphere};
@@ -134,13 +134,13 @@ fn each(
             over_plane.each_sphere(&mut visit);
             continue;
         }
-        for cell in pair.cells((span.start, span.end)) {
+        for section in pair.sections((span.start, span.end)) {
             let mut rotations = Rotations::default();
-            let part = pair.part(&cell, f64::INFINITY, &mut rotations);
+            let part = pair.part(&section, f64::INFINITY, &mut rotations);
             let part = part.unwrap();
             for number_a in (0_u32..).take(a.spheres.len()) {
                 for number_b in (0_u32..).take(b.spheres.len()) {
-                    visit(&part.pair((number_a, number_b)), cell.span);
+                    visit(&part.pair((number_a, number_b)), section.span);
                 }
             }
         }
@@ -202,7 +202,7 @@ fn omitted_pairs_change_nothing() {
         let ends = found.iter().flat_map(|one| [one.enter, one.exit]);
         let cut = a
             .turning
-            .map(|turning| turning.cell_at(begin + 0.5, Accuracy::Exact).end);
+            .map(|turning| turning.section_at(begin + 0.5, Accuracy::Exact).end);
         let instants: Vec<f64> = ends.take(4).chain(cut).collect();
         let windows = |&at: &f64| [(window.0, at), (at, at), (at, window.1)];
         let beside = instants.iter().flat_map(windows);

@@ -86,9 +86,9 @@ fn rounding_of_what_goes_on() {
         let orientation = orientation.with_tolerance(0.1).unwrap();
         let turning = orientation.turning().unwrap();
         let time = [1e4, 3e5, 4e7][kind / 6 % 3];
-        let cell = turning.cell_at(time, Accuracy::Exact);
+        let section = turning.section_at(time, Accuracy::Exact);
         // A part of it would have the error of the interpolation.
-        let mut ends = (cell.start.max(time - 1.0), cell.end.min(time + 1.0));
+        let mut ends = (section.start.max(time - 1.0), section.end.min(time + 1.0));
         ends.1 = ends.1.min(ends.0 + 1e-3 / angle);
         let baked = turning.pieces[2].bake(ends, 1.0);
         check(&baked, ends, &given);
@@ -114,10 +114,10 @@ fn rounding_of_cubics_of_quaternions() {
         };
         let orientation = Orientation::of(given.clone()).unwrap();
         let turning = orientation.turning().unwrap();
-        let cell = turning.cell_at(0.99 * at, Accuracy::Certified);
+        let section = turning.section_at(0.99 * at, Accuracy::Certified);
         check(
-            &turning.bake(&cell, Accuracy::Certified),
-            (cell.start, cell.end),
+            &turning.bake(&section, Accuracy::Certified),
+            (section.start, section.end),
             &given,
         );
     }
@@ -199,8 +199,8 @@ fn enlarged_spheres_are_within_reach() {
             continue;
         };
         let time = around + reach * rng.random_range(-0.3..1.3);
-        let cell = turning.cell_at(time, Accuracy::Exact);
-        let baked = turning.bake(&cell, Accuracy::Exact);
+        let section = turning.section_at(time, Accuracy::Exact);
+        let baked = turning.bake(&section, Accuracy::Exact);
         unknown += usize::from(baked.error() >= 1.0);
         let [arm, radius] = [[1.0, 1.0], [1e-6, 1e6], [1.0, 0.0], [1e-310, 0.0]][kind / 3 % 4];
         let (centre, radius) = (vector(&mut rng, arm), rng.random_range(0.0..=radius));

@@ -4,39 +4,40 @@ use crate::accuracy::Accuracy;
 use crate::enclosure::UncertainCubic;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::relative::RelativeCubic;
-use crate::orientation::{BakedRotation, Turning, TurningCell};
+use crate::orientation::{BakedRotation, Turning, TurningSection};
 use crate::spans::{Span, common_part};
 
 /// A part of a span between neighbouring cuts of both bodies' rotations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell {
+pub(super) struct Section {
     pub(super) span: Span,
-    /// Cells of the rotations; `None` for a body that does not turn.
-    turns: [Option<TurningCell>; 2],
+    /// Sections of the rotations; `None` for a body that does not turn.
+    turns: [Option<TurningSection>; 2],
 }
 
 /// Calls `visit` with the parts of a walk that have a distance, those with a small one first: they
 /// rule out most others.
 pub(super) fn nearest_first<'a>(
-    cells: Cells<'a>,
-    distance: &dyn Fn(&Cell) -> Option<f64>,
-    visit: &mut dyn FnMut(&Cell),
+    sections: Sections<'a>,
+    distance: &dyn Fn(&Section) -> Option<f64>,
+    visit: &mut dyn FnMut(&Section),
 ) {
-    let mut cells = cells.filter_map(|cell| distance(&cell).map(|distance| (distance, cell)));
-    let Some(first) = cells.next() else {
+    let mut sections =
+        sections.filter_map(|section| distance(&section).map(|distance| (distance, section)));
+    let Some(first) = sections.next() else {
         return;
     };
-    let Some(second) = cells.next() else {
+    let Some(second) = sections.next() else {
         // Most bodies do not turn.
         return visit(&first.1);
     };
-    let mut order: Vec<(f64, Cell)> = Vec::with_capacity(Cells::USUAL);
+    let mut order: Vec<(f64, Section)> = Vec::with_capacity(Sections::USUAL);
     order.extend([first, second]);
     while !order.is_empty() {
-        order.extend(cells.by_ref().take(Cells::BLOCK - order.len()));
+        order.extend(sections.by_ref().take(Sections::BLOCK - order.len()));
         order.sort_by(|x, y| x.0.total_cmp(&y.0));
-        order.drain(..).for_each(|(_, cell)| visit(&cell));
-        order.extend(cells.next());
+        order.drain(..).for_each(|(_, section)| visit(&section));
+        order.extend(sections.next());
     }
 }
 
@@ -44,21 +45,21 @@ pub(super) fn nearest_first<'a>(
 /// interval (s). If there are many, only parts matter in which a bounding sphere is within a distance (m):
 /// `near` returns its motion and that distance, or `None` if that is never so.
 pub(super) fn each_near<'a>(
-    cells: &dyn Fn((f64, f64)) -> Cells<'a>,
+    sections: &dyn Fn((f64, f64)) -> Sections<'a>,
     (interval, after): ((f64, f64), f64),
     near: &dyn Fn() -> Option<(RelativeCubic, UncertainCubic, f64)>,
-    visit: &mut dyn FnMut(&Cell),
+    visit: &mut dyn FnMut(&Section),
 ) {
     let mut visited = after;
     let mut visit_all = |times: (f64, f64)| {
-        for cell in cells(times) {
-            if cell.span.start >= visited {
-                visited = cell.span.end.max(cell.span.start.next_up());
-                visit(&cell);
+        for section in sections(times) {
+            if section.span.start >= visited {
+                visited = section.span.end.max(section.span.start.next_up());
+                visit(&section);
             }
         }
     };
-    if cells(interval).nth(Cells::FEW).is_none() {
+    if sections(interval).nth(Sections::FEW).is_none() {
         visit_all(interval);
     } else if let Some((cubic, enclosed, distance)) = near() {
         cubic.each_time_within(&enclosed, distance, |time| {
@@ -72,18 +73,18 @@ pub(super) fn each_near<'a>(
 /// Iterator over the parts of a span between cuts of either body's rotation, in time order: those
 /// that overlap or touch an interval.
 #[derive(Debug)]
-pub(super) struct Cells<'a> {
+pub(super) struct Sections<'a> {
     span: Span,
     turning: [Option<&'a Turning>; 2],
     accuracy: Accuracy,
-    turns: [Option<TurningCell>; 2],
+    turns: [Option<TurningSection>; 2],
     /// An instant of the next part, s.
     time: f64,
     until: f64,
     is_done: bool,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> Sections<'a> {
     /// Parts of a span that are put in order at a time: a span may have any number.
     const BLOCK: usize = 1024;
     /// Room for those of one revolution of each body, and more.
@@ -112,7 +113,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-impl Cell {
+impl Section {
     /// Returns the middle of the part that lies within an interval (s), if it meets that.
     pub(super) fn middle(&self, (from, to): (f64, f64)) -> Option<f64> {
         let (start, end) = (from.max(self.span.start), to.min(self.span.end));
@@ -120,10 +121,10 @@ impl Cell {
     }
 }
 
-impl Iterator for Cells<'_> {
-    type Item = Cell;
+impl Iterator for Sections<'_> {
+    type Item = Section;
 
-    fn next(&mut self) -> Option<Cell> {
+    fn next(&mut self) -> Option<Section> {
         if self.is_done {
             return None;
         }
@@ -132,10 +133,11 @@ impl Iterator for Cells<'_> {
             let Some(turning) = turning else {
                 continue;
             };
-            let known = turn.filter(|cell| cell.start <= self.time && self.time < cell.end);
-            let cell = known.unwrap_or_else(|| turning.cell_at(self.time, self.accuracy));
-            (start, end) = (start.max(cell.start), end.min(cell.end));
-            *turn = Some(cell);
+            let known =
+                turn.filter(|section| section.start <= self.time && self.time < section.end);
+            let section = known.unwrap_or_else(|| turning.section_at(self.time, self.accuracy));
+            (start, end) = (start.max(section.start), end.min(section.end));
+            *turn = Some(section);
         }
         self.is_done = end >= self.span.end || end > self.until;
         self.time = end;
@@ -145,15 +147,15 @@ impl Iterator for Cells<'_> {
             ..self.span
         };
         let turns = self.turns;
-        Some(Cell { span, turns })
+        Some(Section { span, turns })
     }
 }
 
-/// The cubics of both bodies' rotations, over the cells met last and over the parts of these.
+/// The cubics of both bodies' rotations, over the sections met last and over the parts of these.
 #[derive(Debug, Default)]
 pub(super) struct Rotations {
-    cells: [Option<(TurningCell, BakedRotation)>; 2],
-    /// `None` for a part that is the whole cell.
+    sections: [Option<(TurningSection, BakedRotation)>; 2],
+    /// `None` for a part that is the whole section.
     parts: [Option<BakedRotation>; 2],
 }
 
@@ -162,23 +164,26 @@ impl Rotations {
     pub(super) fn over(
         &mut self,
         views: [&BodyView<'_>; 2],
-        cell: &Cell,
+        section: &Section,
         accuracy: Accuracy,
     ) -> [Option<&BakedRotation>; 2] {
-        let ends = (cell.span.start, cell.span.end);
+        let ends = (section.span.start, section.span.end);
         for (body, view) in views.iter().enumerate() {
-            let (Some(turning), Some(turn)) = (view.turning, &cell.turns[body]) else {
+            let (Some(turning), Some(turn)) = (view.turning, &section.turns[body]) else {
                 continue;
             };
-            if self.cells[body].as_ref().is_none_or(|(met, _)| met != turn) {
-                self.cells[body] = Some((*turn, turning.bake(turn, accuracy)));
+            if self.sections[body]
+                .as_ref()
+                .is_none_or(|(met, _)| met != turn)
+            {
+                self.sections[body] = Some((*turn, turning.bake(turn, accuracy)));
             }
-            let whole = self.cells[body].as_ref().map(|(_, baked)| baked);
+            let whole = self.sections[body].as_ref().map(|(_, baked)| baked);
             let cut = whole.filter(|_| ends != (turn.start, turn.end));
             self.parts[body] = cut.map(|baked| baked.part(ends));
         }
         [0, 1].map(|body| {
-            let whole = self.cells[body].as_ref().map(|(_, baked)| baked);
+            let whole = self.sections[body].as_ref().map(|(_, baked)| baked);
             self.parts[body].as_ref().or(whole)
         })
     }
