@@ -1,11 +1,13 @@
 //! The error of all invalid inputs.
 
+mod crowd;
 mod in_body;
 mod quantity;
 
 use crate::id::{BodyId, NamedBody};
 use std::fmt;
 
+pub use crowd::Crowd;
 pub use quantity::Quantity;
 
 /// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
@@ -338,13 +340,17 @@ pub enum Error {
     },
     /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
-        "too many pairs may be in conflict (with room for {limit} of their spans): narrow the window \
-         (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)"
+        "too many pairs may be in conflict (with room for {limit} of their spans{}): narrow the window \
+         (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)",
+        crowd.map_or(String::new(), |crowd| format!("; {crowd}"))
     )]
     TooCrowded {
         /// The limit; see [`Query::with_max_spans`](crate::Query::with_max_spans) and
         /// [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
         limit: usize,
+        /// A body that is near many others: the one with most of them in a sample of the bodies and of instants. `None` if
+        /// none of the sample is near another body then.
+        crowd: Option<Crowd>,
     },
     /// The id names no body of this scene (it may have been removed). An id of another scene is not always noticed: it may
     /// name a body of this one.

@@ -159,7 +159,7 @@ pub use accuracy::{Accuracy, Certificate, TimeEnclosure};
 pub use conflict::{CertifiedApproach, Clip, ClosestApproach, Conflict};
 pub use conflict_index::ConflictIndex;
 pub use cover::{CoverError, CoverOptions, Coverage, Extent, SphereCover, verify_cover};
-pub use error::{Error, MAX_MAGNITUDE, Quantity};
+pub use error::{Crowd, Error, MAX_MAGNITUDE, Quantity};
 pub use glam;
 pub use hitbox::{Hitbox, Sphere};
 pub use id::BodyId;

@@ -21,7 +21,7 @@ use rand::RngExt;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use support::{line, rng};
+use support::{exceeded, line, rng};
 
 struct Counting;
 
@@ -158,7 +158,7 @@ fn a_storm_is_refused_in_little_memory() {
     pool.unwrap().install(|| {
         for now in [0.0, 0.0, 0.1] {
             let done = monitor.advance(now, &mut events);
-            assert_eq!(done, Err(Error::TooCrowded { limit: 100_000 }));
+            assert_eq!(exceeded(done), Some(100_000));
             assert!(events.is_empty());
         }
     });
@@ -168,6 +168,14 @@ fn a_storm_is_refused_in_little_memory() {
     monitor.set_max_spans(Monitor::MAX_SPANS);
     monitor.advance(0.1, &mut events).unwrap();
     assert!(monitor.conflicts(0).unwrap().len() > 100_000);
+}
+
+/// Returns the limit that a search exceeded, and the number of others in the crowd that it tells of.
+fn crowd_of<T>(done: Result<T, Error>) -> (usize, Option<usize>) {
+    match done.err().unwrap() {
+        Error::TooCrowded { limit, crowd } => (limit, crowd.map(|crowd| crowd.others)),
+        other => unreachable!("{other}"),
+    }
 }
 
 /// Points at one place: each two of them are a pair for ever.
@@ -185,13 +193,12 @@ fn one_place_is_refused_in_little_memory() {
     let _one = alone();
     let (scene, _) = at_one_place(100_000, |_| Layers::ALL);
     let limit = Query::MAX_SPANS;
-    let refused = scene.screen(&Query::default()).unwrap_err();
-    assert_eq!(refused, Error::TooCrowded { limit });
+    let refused = scene.screen(&Query::default());
+    assert_eq!(crowd_of(refused), (limit, Some(99_999)));
     let mut monitor = monitor(scene, 0.0);
     for now in [0.0, 0.0, 0.1] {
         let done = monitor.advance(now, &mut Vec::new());
-        let limit = Monitor::MAX_SPANS;
-        assert_eq!(done, Err(Error::TooCrowded { limit }));
+        assert_eq!(crowd_of(done), (Monitor::MAX_SPANS, Some(99_999)));
     }
     let peak = PEAK.load(Ordering::Relaxed);
     assert!(peak < GIB, "{peak}");
@@ -216,14 +223,12 @@ fn many_walls_are_refused_in_little_memory() {
     }
     let limit = 100_000;
     let query = Query::default().with_max_spans(limit);
-    assert_eq!(
-        scene.screen(&query).unwrap_err(),
-        Error::TooCrowded { limit }
-    );
+    // Each body is behind all walls, and each wall before all bodies.
+    assert_eq!(crowd_of(scene.screen(&query)), (limit, Some(400)));
     let mut monitor = Monitor::new(scene, 0.0, 200.0, &[AlertLevel::at(0.0)]).unwrap();
     monitor.set_max_spans(limit);
     let done = monitor.advance(0.0, &mut Vec::new());
-    assert_eq!(done, Err(Error::TooCrowded { limit }));
+    assert_eq!(crowd_of(done), (limit, Some(400)));
     // All spans would take 128 MiB.
     let peak = PEAK.load(Ordering::Relaxed);
     assert!(peak < GIB / 16, "{peak}");

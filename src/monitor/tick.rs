@@ -146,7 +146,8 @@ impl Monitor {
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.forget_search()?;
-            return Err(Error::TooCrowded { limit });
+            let window = (self.reported, end);
+            return Err(self.scene.too_crowded(limit, window, margin));
         };
         // Nothing below can fail.
         self.end_of_removed();

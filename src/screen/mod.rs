@@ -26,7 +26,7 @@ use crate::parallel;
 use crate::query::Query;
 use crate::scene::{Body, PairAdmission, Scene};
 use crate::search::{
-    BoxedBodies, SceneStatistics, SliceTrials, TimeSlices, WindowSearch, recycled,
+    BoxedBodies, LimitExceeded, SceneStatistics, SliceTrials, TimeSlices, WindowSearch, recycled,
 };
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -143,7 +143,10 @@ impl Scene {
             pairs: PairAdmission::of(self, query.margin(), &gives_up).with_radii(),
             ids: &prepared.ids,
         };
-        let mut screening = prepared.screen(query.method, &filter, &tell)?;
+        let done = prepared.screen(query.method, &filter, &tell);
+        let margin = query.margin();
+        let mut screening =
+            done.map_err(|_| self.too_crowded(query.max_spans(), prepared.searched(), margin))?;
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
         tell(1.0);
@@ -295,7 +298,7 @@ impl PreparedScene<'_> {
         method: Method,
         filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
-    ) -> Result<Screening, Error> {
+    ) -> Result<Screening, LimitExceeded> {
         let screening = Screening {
             conflicts: Vec::new(),
             window: self.asked,
@@ -333,7 +336,7 @@ impl PreparedScene<'_> {
         (method, filter): (Method, &dyn PairFilter),
         progress: &(impl Fn(f64) + Sync),
         mut screening: Screening,
-    ) -> Result<Screening, Error> {
+    ) -> Result<Screening, LimitExceeded> {
         let search = WindowSearch {
             bodies: *bodies,
             lifetimes: &self.lifetimes,
@@ -351,13 +354,10 @@ impl PreparedScene<'_> {
         let mut survivors = Vec::new();
         let found = (&mut survivors, &mut *stats);
         let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
-        let done = search.spans(slicing, filter, &progress_of_slices, found);
-        let limit = self.limits.spans;
-        done.map_err(|_| Error::TooCrowded { limit })?;
+        search.spans(slicing, filter, &progress_of_slices, found)?;
         let begin = Instant::now();
         if !self.half_spaces.is_empty() {
-            let met = self.compare_half_spaces(bodies, filter, &mut survivors);
-            stats.spans += met.map_err(|_| Error::TooCrowded { limit })?;
+            stats.spans += self.compare_half_spaces(bodies, filter, &mut survivors)?;
         }
         screening.conflicts = self.solve(bodies, &survivors, filter, progress);
         stats.narrow_time += begin.elapsed();

@@ -9,7 +9,8 @@
 use glam::DVec3;
 use nearmiss::internals::QueryInternals;
 use nearmiss::{
-    Body, Conflict, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory, Window,
+    Body, Conflict, Error, Hitbox, Monitor, Query, RevisionThreshold, Scene, State, Trajectory,
+    Window,
 };
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -26,6 +27,14 @@ pub(crate) fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
         rng.random_range(-half..half),
         rng.random_range(-half..half),
     )
+}
+
+/// The limit that a search exceeded.
+pub(crate) fn exceeded<T>(done: Result<T, Error>) -> Option<usize> {
+    match done {
+        Err(Error::TooCrowded { limit, .. }) => Some(limit),
+        _ => None,
+    }
 }
 
 /// A monitor that reports every change of an encounter, those of rounding included.
