@@ -26,7 +26,7 @@
 //!    trajectory*, a copy in f32, lies on cache *lines* of an *arena*. The *reach* of a hitbox is the largest
 //!    distance of its points from the body's position, its *arm* that of the centres. A *partner* is another
 //!    body with which a body may be a pair; bodies with the same layers are of one *kind*.
-//! 4. `bounds`: f32 coordinates are relative to a *frame*: an origin that may move, and a unit. The frame of
+//! 4. `bounds`: f32 coordinates are relative to a *reference frame* (`frame`): an origin that may move, and a unit. That of
 //!    one body's cubics is its *anchor*; a *source* is the cubics with their *placement* in the frame. A box
 //!    exceeds the hull of a motion by its *padding*, hitbox and half the margin, and by rounding. A *fat line*
 //!    is a closer bound, a line with a radius. Rounding is relative to coordinates and to the *spread*, which is
