@@ -348,8 +348,7 @@ pub enum Error {
         /// The limit; see [`Query::with_max_spans`](crate::Query::with_max_spans) and
         /// [`Monitor::set_max_spans`](crate::Monitor::set_max_spans).
         limit: usize,
-        /// A body that is near many others: the one with most of them in a sample of the bodies and of instants. `None` if
-        /// none of the sample is near another body then.
+        /// A body that comes near many others. `None` if no body of a sample comes near another one.
         crowd: Option<Crowd>,
     },
     /// The id names no body of this scene (it may have been removed). An id of another scene is not always noticed: it may

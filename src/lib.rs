@@ -31,6 +31,7 @@
 //! |---|---|
 //! | all conflicts in a time | [`Scene::screen`] |
 //! | those of a body that is not in the scene | [`Scene::conflicts_with`] |
+//! | those of a body if it had another plan | [`Scene::what_if`] |
 //! | those of two bodies, without a scene | the functions of [`pair`] |
 //! | events while bodies move and plans change | [`Monitor`] |
 //! | plans tried before they are flown | [`Monitor::what_if`], [`Monitor::what_if_plans`] |

@@ -6,7 +6,6 @@ mod admission;
 mod arena;
 mod body;
 mod body_plan;
-mod crowd;
 mod entry;
 mod heights;
 mod ignored;

@@ -9,8 +9,8 @@ mod support;
 
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyId, Conflict, ConflictIndex, Error, Hitbox, Layers, Monitor,
-    Orientation, Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, BodyPlan, Conflict, ConflictIndex, Error, Hitbox, Layers,
+    Monitor, Orientation, Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -119,6 +119,51 @@ fn one_body_has_the_conflicts_of_a_screening_with_it() {
         }
     }
     assert!(found.iter().all(|&found| found > 100), "{found:?}");
+}
+
+/// A body with another plan has the conflicts of a screening of the scene with that plan; some pairs are ignored.
+#[test]
+fn another_plan_has_the_conflicts_of_a_screening_with_it() {
+    let mut found = [0; 2];
+    for seed in 0..40 {
+        let mut rng = rng(1_000 + seed);
+        let mut scene = Scene::new();
+        let bodies = [1, 2, 30, 60][usize::try_from(seed % 4).unwrap()];
+        let ids = (0..bodies).map(|_| scene.insert(body(&mut rng)).unwrap());
+        let ids: Vec<_> = ids.collect();
+        let id = ids[rng.random_range(0..bodies)];
+        for &other in ids.iter().filter(|&&other| other != id).take(5) {
+            scene.ignore_pair(id, other).unwrap();
+        }
+        let other = body(&mut rng);
+        let (mut with, mut plan) = (scene.clone(), BodyPlan::from(other.trajectory));
+        with.set_trajectory(id, plan.trajectory.clone()).unwrap();
+        if seed % 2 == 0 {
+            plan.orientation = Some(other.orientation.clone());
+            with.set_orientation(id, other.orientation).unwrap();
+        }
+        for query in queries(&mut rng) {
+            let screened = with.screen(&query).map(|screening| {
+                let all = screening.conflicts.into_iter();
+                all.filter(|one| one.a == id || one.b == id)
+                    .collect::<Vec<Conflict>>()
+            });
+            let asked = scene.what_if(id, &plan, &query);
+            match (screened, asked) {
+                (Ok(screened), Ok(asked)) => {
+                    assert_eq!(bits(&asked), bits(&screened), "{seed} {query:?}");
+                    found[usize::from(query.accuracy() == Accuracy::Certified)] += asked.len();
+                }
+                (screened, asked) => assert_eq!(asked.unwrap_err(), screened.unwrap_err()),
+            }
+        }
+    }
+    assert!(found.iter().all(|&found| found > 100), "{found:?}");
+    let mut scene = Scene::new();
+    let id = scene.insert(body(&mut rng(0))).unwrap();
+    let plan = scene.remove(id).unwrap().trajectory;
+    let gone = scene.what_if(id, &plan, &Query::default());
+    assert_eq!(gone, Err(Error::UnknownBody { id }));
 }
 
 /// An index has what going through all conflicts finds, also for bodies that are not in the list.

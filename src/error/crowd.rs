@@ -3,7 +3,7 @@
 use crate::id::{BodyId, TaggedBody};
 use std::fmt;
 
-/// An example from a crowd: the body of a sample that is near most others at an instant.
+/// An example from a crowd: a body that comes near many others, the one with most of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Crowd {
@@ -11,11 +11,16 @@ pub struct Crowd {
     pub id: BodyId,
     /// The body's tag: 0 without [`Body::with_tag`](crate::Body::with_tag).
     pub tag: u64,
-    /// Instant, s.
-    pub time: f64,
-    /// Number of other bodies whose bounding spheres come within the margin of the body's then. Pairs that the scene
-    /// leaves out do not count.
+    /// Number of other bodies with which it has a conflict in the time that was searched.
     pub others: usize,
+    /// The first instant at which most of these conflicts last at once, s.
+    pub time: f64,
+}
+
+impl Crowd {
+    pub(crate) fn is_larger_than(&self, other: Option<Self>) -> bool {
+        other.is_none_or(|other| self.others > other.others)
+    }
 }
 
 impl fmt::Display for Crowd {
@@ -26,7 +31,7 @@ impl fmt::Display for Crowd {
         );
         write!(
             f,
-            "{body} is near {} other{plural} at {:?} s",
+            "{body} has conflicts with {} other{plural}, most at {:?} s",
             self.others, self.time
         )
     }

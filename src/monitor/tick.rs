@@ -21,6 +21,7 @@ use crate::scene::{PairAdmission, Scene};
 use crate::stats::Stats;
 use crate::trajectory::{Outside, Trajectory};
 use crate::wall_clock::Instant;
+use crate::window::Window;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends the events since the last tick to `events`, in their order. The
@@ -146,7 +147,7 @@ impl Monitor {
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.forget_search()?;
-            let window = (self.reported, end);
+            let window = Window::new(self.reported, end)?;
             return Err(self.scene.too_crowded(limit, window, margin));
         };
         // Nothing below can fail.

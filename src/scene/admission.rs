@@ -5,6 +5,7 @@ use super::layer_groups::LayerGroups;
 use super::partners::{Partners, radii_may_meet, radius};
 use crate::broad_phase::{Groups, PairFilter};
 use crate::count::short;
+use crate::id::BodyId;
 
 /// The filter of pairs of slots: admits bodies that may be pairs within a margin.
 pub(crate) struct PairAdmission<'s> {
@@ -106,9 +107,14 @@ impl Scene {
         let [of_a, of_b] = [a, b].map(|slot| self.layers[slot as usize]);
         let are_ignored = || {
             let [one, other] = [a, b].map(|slot| self.keys[slot as usize].id(slot));
-            self.ignored.contains(one, other)
+            self.ignores(one, other)
         };
         of_a.admits(of_b) && (self.ignored.is_empty() || !are_ignored())
+    }
+
+    /// Returns true if two bodies ignore each other.
+    pub(crate) fn ignores(&self, a: BodyId, b: BodyId) -> bool {
+        self.ignored.contains(a, b)
     }
 
     /// Returns the [radius](radius) of the body in a slot, m; 0 if there is none.

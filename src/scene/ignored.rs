@@ -25,7 +25,7 @@ impl IgnoredPairs {
         }
     }
 
-    pub(crate) fn contains(&self, a: BodyId, b: BodyId) -> bool {
+    pub(super) fn contains(&self, a: BodyId, b: BodyId) -> bool {
         self.0.contains(&(a, b))
     }
 

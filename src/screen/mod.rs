@@ -6,6 +6,7 @@
 //!
 //! Words: [`internals`](crate::internals).
 
+mod crowd;
 mod half_spaces;
 mod one;
 pub mod pair;
@@ -146,7 +147,7 @@ impl Scene {
         let done = prepared.screen(query.method, &filter, &tell);
         let margin = query.margin();
         let mut screening =
-            done.map_err(|_| self.too_crowded(query.max_spans(), prepared.searched(), margin))?;
+            done.map_err(|_| self.too_crowded(query.max_spans(), prepared.asked, margin))?;
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
         tell(1.0);

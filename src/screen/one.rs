@@ -1,4 +1,4 @@
-//! One body against all bodies of a scene.
+//! One body against all others of a scene.
 
 use super::pair::push_conflicts;
 use super::prepared::{checked_margin, lone_view};
@@ -6,11 +6,12 @@ use super::solve::{PairQuestion, SolveScratch};
 use crate::bounds::DAabb;
 use crate::conflict::Conflict;
 use crate::error::Error;
+use crate::id::BodyId;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::query::Query;
 use crate::rounding::exact_interval;
-use crate::scene::{Body, Scene, SceneEntry, planned};
+use crate::scene::{Body, BodyPlanRef, Scene, SceneEntry, planned};
 use crate::spans::in_order;
 use std::iter::once;
 
@@ -48,16 +49,80 @@ impl Scene {
     ///
     /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::SceneFull`].
     pub fn conflicts_with(&self, body: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {
+        self.conflicts_of_one((self.next_id()?, body), query)
+    }
+
+    /// Returns all conflicts that a body would have with the others if it followed another plan, within the query's window
+    /// and margin, sorted by (enter, a, b): may it fly that instead? Nothing is changed.
+    ///
+    /// The bits are those that a [screening](Self::screen) would report of its pairs if the scene had this plan for the
+    /// body; [`pair`](crate::pair) names an exception. Without an orientation in the plan, the body turns as it does. A
+    /// query without a window asks about the time that all plans cover, this one in place of the body's own. Layers and
+    /// ignored pairs count. The query's limit of spans does not. The cost is proportional to the number of bodies.
+    ///
+    /// [`Monitor::what_if`](crate::Monitor::what_if) asks about the lookahead of a monitor, and takes less time.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, Query, Scene, State, Trajectory};
+    ///
+    /// let line = |y: f64, velocity: f64| {
+    ///     let state = |t: f64| State::new(t, DVec3::new(velocity * t, y, 0.0), velocity * DVec3::X);
+    ///     Trajectory::from_states(&[state(0.0), state(10.0)])
+    /// };
+    /// let mut scene = Scene::new();
+    /// let drone = scene.insert(Body::new(line(0.0, 3.0)?))?;
+    /// scene.insert(Body::new(line(8.0, 3.0)?))?;
+    /// let query = Query::default().with_margin(2.0);
+    /// assert!(scene.screen(&query)?.conflicts.is_empty());
+    /// // Another lane would be too near.
+    /// assert!(scene.what_if(drone, &line(4.0, 3.0)?, &query)?.is_empty());
+    /// assert_eq!(scene.what_if(drone, &line(7.0, 3.0)?, &query)?.len(), 1);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::UnknownBody`].
+    pub fn what_if<'p>(
+        &self,
+        id: BodyId,
+        plan: impl Into<BodyPlanRef<'p>>,
+        query: &Query,
+    ) -> Result<Vec<Conflict>, Error> {
+        let body = self.body(id).ok_or(Error::UnknownBody { id })?;
+        let plan = plan.into();
+        let mut changed = body.clone();
+        changed.trajectory.clone_from(plan.trajectory);
+        if let Some(orientation) = plan.orientation {
+            changed.orientation.clone_from(orientation);
+        }
+        self.conflicts_of_one((id, &changed), query)
+    }
+
+    /// Returns all conflicts of a body with those of the scene that have another id.
+    pub(super) fn conflicts_of_one(
+        &self,
+        (own_id, body): (BodyId, &Body),
+        query: &Query,
+    ) -> Result<Vec<Conflict>, Error> {
         let margin = checked_margin(query)?;
-        let own_id = self.next_id()?;
-        let all = || self.bodies().map(|(_, body)| body).chain(once(body));
+        let entries: Vec<_> = self.entries().filter(|&(id, _)| id != own_id).collect();
+        let all = || {
+            entries
+                .iter()
+                .map(|(_, entry)| &entry.body)
+                .chain(once(body))
+        };
         let asked = query.window().or_else(|| planned(all()));
         let window = asked.ok_or(Error::NoPlan)?;
-        let own = lone_view(body, window)?;
+        let own = lone_view(body, window).map_err(|error| match self.body(own_id) {
+            Some(_) => error.with_id(own_id),
+            None => error,
+        })?;
         // What happens within a rounding of an end is reported at the end.
         let exact = exact_interval(window.ends());
         let range = extremes_of(&own, exact);
-        let entries: Vec<_> = self.entries().collect();
         let chunks: Vec<_> = entries.chunks(CHUNK).collect();
         let found = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
             let mut found = Vec::new();
@@ -67,7 +132,8 @@ impl Scene {
                 let view = lone_view(other, window).map_err(|error| error.with_id(id))?;
                 let reaches = [body.shape().reach(), other.shape().reach(), margin];
                 let is_far = || is_apart(&range, &extremes_in(entry, &view, exact), reaches);
-                if !body.layers.admits(other.layers) || is_far() {
+                let admits = body.layers.admits(other.layers) && !self.ignores(own_id, id);
+                if !admits || is_far() {
                     continue;
                 }
                 let (own_name, name) = ((own_id, body.tag), (id, other.tag));
