@@ -71,7 +71,7 @@ impl Monitor {
     }
 
     /// Ends the encounters of all removed bodies in one pass.
-    pub(super) fn end_of_removed(&mut self) {
+    pub(super) fn end_of_removed(&mut self, reported: f64) {
         if self.removed.is_empty() {
             return;
         }
@@ -79,7 +79,7 @@ impl Monitor {
         let is_gone = |slot| self.removed.binary_search(&slot).is_ok();
         for encounters in &mut self.encounters {
             encounters.end(
-                self.reported,
+                reported,
                 EndReason::BodyRemoved,
                 is_gone,
                 &mut self.pending_events,
@@ -409,7 +409,7 @@ impl Monitor {
     }
 
     /// Drops all state derived from the scene, and starts again with this search, which knows nothing.
-    fn renew(&mut self, renewed: LookaheadSearch) -> Result<(), Error> {
+    pub(super) fn renew(&mut self, renewed: LookaheadSearch) -> Result<(), Error> {
         let before = std::mem::replace(&mut self.search, renewed);
         if let Err(error) = self.prepare_all_bodies() {
             self.search = before;

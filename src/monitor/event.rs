@@ -120,6 +120,8 @@ pub enum EndReason {
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,
+    /// The clock was set ahead, by [`Monitor::skip_to`](crate::Monitor::skip_to).
+    ClockSet,
     /// The monitor was closed.
     MonitorClosed,
 }
@@ -131,6 +133,7 @@ impl fmt::Display for EndReason {
             Self::TrajectoryEnded => "trajectory ended",
             Self::PlanChanged => "plan changed",
             Self::BodyRemoved => "body removed",
+            Self::ClockSet => "clock set",
             Self::MonitorClosed => "monitor closed",
         })
     }

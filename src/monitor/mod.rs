@@ -28,6 +28,7 @@ mod recent_changes;
 pub(crate) mod recording;
 mod restore;
 mod revision_threshold;
+mod skip;
 mod slice;
 mod slot_set;
 mod snapshot;

@@ -37,7 +37,8 @@ impl Monitor {
     /// [`Error::ClockWentBack`], [`Error::Clock`]; [`Error::InBody`] with [`Error::OutOfRange`] or
     /// [`Error::TooFar`] if a plan cannot be followed through the lookahead; [`Error::TooCrowded`] if more lies
     /// ahead, or on the way, than [the limit allows](Self::set_max_spans). The clock stays where it was, and no
-    /// event is reported. After `TooCrowded` the next tick looks at everything anew.
+    /// event is reported. After `TooCrowded` the next tick looks at everything anew, and comes to the same moment again:
+    /// [`skip_to`](Self::skip_to) leaves it behind.
     pub fn advance(&mut self, now: f64, events: &mut Vec<Event>) -> Result<(), Error> {
         self.advance_within(now, Budget::Unlimited, events)
     }
@@ -151,7 +152,7 @@ impl Monitor {
             return Err(self.scene.too_crowded(limit, window, margin));
         };
         // Nothing below can fail.
-        self.end_of_removed();
+        self.end_of_removed(self.reported);
         self.read_changed_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
@@ -231,7 +232,7 @@ impl Monitor {
     /// Ends all encounters, with the monitor.
     pub(super) fn end_all(&mut self, events: &mut Vec<Event>) {
         let first = events.len();
-        self.end_of_removed();
+        self.end_of_removed(self.reported);
         events.append(&mut self.pending_events);
         for encounters in &mut self.encounters {
             encounters.end(self.reported, EndReason::MonitorClosed, |_| true, events);

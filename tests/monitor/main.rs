@@ -24,6 +24,7 @@ mod recorded;
 mod reference;
 mod restored;
 mod scenarios;
+mod skips;
 #[path = "../support/mod.rs"]
 mod support;
 mod teleports;

@@ -37,6 +37,7 @@ fn the_records_have_the_names_of_the_documented_table() {
     monitor.advance(1.0, &mut events).unwrap();
     let state = State::new(1.0, DVec3::Z, DVec3::Z);
     monitor.track(1.0, [(id, state)]).unwrap();
+    monitor.skip_to(2.0).unwrap();
     monitor.close(&mut events);
     let bytes = recording.0.lock().unwrap().clone();
     let text = String::from_utf8(bytes).unwrap();

@@ -184,6 +184,17 @@ impl Handle {
         self.send(Request::Clock(now))
     }
 
+    /// Sets the clock to `now` (s) without looking at the time in between: see
+    /// [`Monitor::skip_to`](crate::Monitor::skip_to). Never blocks.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`send`](Self::send). A refusal by [`Monitor::skip_to`](crate::Monitor::skip_to) comes as
+    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    pub fn skip_to(&self, now: f64) -> Result<Ticket, Unsent> {
+        self.send(Request::SkipTo(now))
+    }
+
     /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: the
     /// answer is the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
     ///

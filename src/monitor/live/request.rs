@@ -38,6 +38,9 @@ pub enum Request {
     Track(f64, Vec<(BodyId, BodyState)>),
     /// The clock moves on to this time, s.
     Clock(f64),
+    /// The clock is set to this time (s), and the time in between is not looked at: see
+    /// [`Monitor::skip_to`](crate::Monitor::skip_to).
+    SkipTo(f64),
     /// Asks for the conflicts of a body, at an alert level, if it followed a plan from now on.
     /// Changes nothing. The answer is a [`ReportKind::WhatIf`](super::ReportKind::WhatIf). See
     /// [`Monitor::what_if`](crate::Monitor::what_if).
@@ -181,6 +184,12 @@ impl RequestQueue {
                 }
                 self.plans.clear();
             }
+            (Request::SkipTo(time), _) => {
+                if can_show(*time, self.lookahead) {
+                    self.clock = self.clock.max(*time);
+                }
+                self.plans.clear();
+            }
             // What is asked is about all that was requested before.
             (
                 Request::Batch(_)
@@ -200,7 +209,9 @@ impl RequestQueue {
     pub(super) fn stay_at(&mut self, clock: f64) {
         let waiting = self.requests.iter().flatten();
         let clocks = waiting.filter_map(|(_, request)| match request {
-            Request::Clock(time) if can_show(*time, self.lookahead) => Some(*time),
+            Request::Clock(time) | Request::SkipTo(time) => {
+                Some(*time).filter(|&time| can_show(time, self.lookahead))
+            }
             _ => None,
         });
         self.clock = clocks.fold(clock, f64::max);

@@ -22,6 +22,30 @@ fn rest(x: f64) -> Trajectory {
     Trajectory::at_rest(DVec3::new(x, 0.0, 0.0)).unwrap()
 }
 
+/// A clock that is set ahead is known to those that read it, and encounters begin anew there.
+#[test]
+fn a_clock_may_be_set_ahead() {
+    let (monitor, _) = monitor();
+    let live = monitor.spawn(LiveOptions::default()).unwrap();
+    let handle = live.handle();
+    handle.advance(1.0).unwrap();
+    handle.skip_to(500.0).unwrap();
+    handle.advance(501.0).unwrap();
+    let kinds = live
+        .reports()
+        .iter()
+        .filter_map(|report| match report.kind {
+            ReportKind::Event(event) => match event.kind {
+                EventKind::Began(_) => Some(("began", event.time)),
+                EventKind::Ended(_, EndReason::ClockSet) => Some(("ended", event.time)),
+                _ => None,
+            },
+            _ => None,
+        });
+    let expected = [("began", 0.0), ("ended", 1.0), ("began", 500.0)];
+    assert_eq!(kinds.take(3).collect::<Vec<_>>(), expected);
+}
+
 /// Two bodies 1 m apart, watched at 2 m.
 fn monitor() -> (Monitor, [BodyId; 2]) {
     let mut scene = Scene::new();

@@ -157,10 +157,11 @@ impl Worker {
             Request::Track(now, states) => self.track(ticket, now, states),
             Request::Clock(now) => {
                 let done = self.tick(now);
-                if done.is_err() {
-                    self.queue.stay_at(self.monitor.now());
-                }
-                done.map(|()| None)
+                self.with_clock(done)
+            }
+            Request::SkipTo(now) => {
+                let done = self.monitor.skip_to(now);
+                self.with_clock(done)
             }
             Request::WhatIf(id, plan, level) => {
                 let conflicts = self.monitor.what_if(id, &plan, level);
@@ -188,6 +189,14 @@ impl Worker {
                 self.report(ReportKind::Refused { ticket, error });
             }
         }
+    }
+
+    /// Returns the outcome of a request that moves the clock.
+    fn with_clock(&mut self, done: Result<(), Error>) -> Result<Option<ReportKind>, Error> {
+        if done.is_err() {
+            self.queue.stay_at(self.monitor.now());
+        }
+        done.map(|()| None)
     }
 
     /// Returns the answer to a question.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, io};
 
 /// The first line; the number is the version of the format.
-pub(super) const TITLE: &str = "nearmiss recording 6\n";
+pub(super) const TITLE: &str = "nearmiss recording 7\n";
 
 /// Length and checksum, and the spaces after them.
 pub(super) const PREFIX: usize = 18;
@@ -25,6 +25,7 @@ pub(in crate::monitor) enum Record {
     /// Time, s.
     History(#[serde(with = "crate::json_number")] f64),
     MaxSpans(usize),
+    SkipTo(f64),
     Tick {
         now: f64,
         known: f64,

@@ -39,7 +39,7 @@ use std::io::{BufRead, Read};
 ///
 /// # Format, version 6
 ///
-/// A text file. The first line is `nearmiss recording 6`. Each further line is one record:
+/// A text file. The first line is `nearmiss recording 7`. Each further line is one record:
 ///
 /// ```text
 /// LENGTH CHECKSUM JSON
@@ -56,6 +56,7 @@ use std::io::{BufRead, Read};
 /// | `apply` | commands that were applied together, or one alone |
 /// | `track` | the states of a call of [`Monitor::track`](crate::Monitor::track) |
 /// | `revision_threshold`, `history`, `max_spans` | settings |
+/// | `skip_to` | the time to which the clock was set ahead |
 /// | `tick` | the clock, up to when everything was known after it, and the work done in it (as a [budget](crate::Budget::Work) counts it) |
 /// | `anew` | a tick failed, and all is looked at anew |
 /// | `close` | the monitor was closed |
@@ -195,6 +196,7 @@ impl<R: BufRead> Replay<R> {
             }
             Record::History(history) => monitor.set_history(history).map_err(refused)?,
             Record::MaxSpans(limit) => monitor.set_max_spans(limit),
+            Record::SkipTo(now) => monitor.skip_to(now).map_err(refused)?,
             Record::Tick { now, known, .. } => {
                 monitor.advance_to(now, known, events).map_err(refused)?;
                 return Ok(Some(now));

@@ -18,7 +18,7 @@ fn records(file: &[u8]) -> Vec<&str> {
 
 /// A file of these records, with prefixes as the format has them.
 fn file_of(records: &[&str]) -> Vec<u8> {
-    let mut file = "nearmiss recording 6\n".to_owned();
+    let mut file = "nearmiss recording 7\n".to_owned();
     let mut checksum = crc32fast::Hasher::new();
     for json in records {
         checksum.update(json.as_bytes());

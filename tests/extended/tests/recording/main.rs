@@ -124,6 +124,7 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
             .unwrap(),
         6 => monitor.set_max_spans(rng.random_range(5_000..9_000)),
         7 => return true,
+        8 => monitor.skip_to(now + rng.random_range(0.0..1.0)).unwrap(),
         _ => {}
     }
     false
