@@ -1,54 +1,73 @@
-//! The README quotes what its two programs print. The programs themselves are compiled as documentation.
+//! The README quotes what its two programs print.
+//!
+//! `tests/readme_programs` has both programs as they stand in the README, letter by letter. They are run here; what they
+//! print is kept.
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
-use nearmiss::{AlertLevel, Body, Hitbox, Monitor, Query, Scene, State, Trajectory};
+use std::cell::RefCell;
+
+thread_local! {
+    /// Lines printed on this thread.
+    static PRINTED: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Keeps a line instead of printing it.
+macro_rules! println {
+    ($($line:tt)*) => {
+        crate::PRINTED.with_borrow_mut(|lines| lines.push(format!($($line)*)))
+    };
+}
+
+/// Defines a module of a program, with its text and a function that runs it.
+macro_rules! program {
+    ($name:ident, $file:literal) => {
+        mod $name {
+            include!($file);
+
+            pub(super) const TEXT: &str = include_str!($file);
+
+            /// Returns the lines that the program prints.
+            pub(super) fn printed() -> Vec<String> {
+                main().unwrap();
+                super::PRINTED.take()
+            }
+        }
+    };
+}
+
+program!(in_fifteen_lines, "readme_programs/in_fifteen_lines.rs");
+program!(in_a_loop, "readme_programs/in_a_loop.rs");
+
+const README: &str = include_str!("../README.md");
 
 /// Returns the README with single spaces.
 fn readme() -> String {
-    let words: Vec<&str> = include_str!("../README.md").split_whitespace().collect();
+    let words: Vec<&str> = README.split_whitespace().collect();
     words.join(" ")
 }
 
 #[test]
+fn the_programs_are_those_of_the_readme() {
+    let blocks = README.split("```rust\n").skip(1);
+    let programs: Vec<&str> = blocks
+        .map(|block| block.split("```").next().unwrap())
+        .collect();
+    assert_eq!(programs, [in_fifteen_lines::TEXT, in_a_loop::TEXT]);
+}
+
+#[test]
 fn the_first_program_prints_what_the_readme_says() {
-    let mut scene = Scene::new();
-    for (start, speed) in [(0.0, 10.0), (100.0, -10.0)] {
-        let state = |time| State::new(time, [start + speed * time, 0.0, 0.0], [speed, 0.0, 0.0]);
-        let plan = Trajectory::from_states(&[state(0.0), state(10.0)]).unwrap();
-        let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap());
-        scene.insert(body).unwrap();
-    }
-    let found = scene.screen(&Query::default().with_margin(2.0)).unwrap();
-    let [conflict] = &found.conflicts[..] else {
-        panic!("{:?}", found.conflicts);
+    let printed = in_fifteen_lines::printed();
+    let [conflict] = &printed[..] else {
+        panic!("{printed:?}");
     };
     assert!(readme().contains(&format!("It prints `{conflict}`")));
 }
 
 #[test]
 fn the_loop_prints_what_the_readme_says() {
-    let (mut scene, mut balls) = (Scene::new(), Vec::new());
-    for (tag, x, speed) in [(7, -20.0, 10.0), (8, 20.0, -10.0)] {
-        let start = State::new(0.0, [x, 0.0, 0.0], [speed, 0.0, 0.0]);
-        let body = Body::new(Trajectory::coasting(start).unwrap()).with_tag(tag);
-        let body = body.with_hitbox(Hitbox::sphere(1.0).unwrap());
-        balls.push((scene.insert(body).unwrap(), start));
-    }
-    let contact = AlertLevel {
-        margin: 0.0,
-        release: 0.05,
-    };
-    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[contact]).unwrap();
-    let (mut events, mut printed) = (Vec::new(), Vec::new());
-    for now in (1..180).map(|frame| f64::from(frame) / 60.0) {
-        let moved =
-            |start: State| State::new(now, start.position + now * start.velocity, start.velocity);
-        let told = balls.iter().map(|&(id, start)| (id, moved(start)));
-        monitor.track(now, told).unwrap();
-        monitor.advance(now, &mut events).unwrap();
-        printed.extend(events.drain(..).map(|event| format!("{event:.2}")));
-    }
+    let printed = in_a_loop::printed();
     let [predicted, revised, began, ended] = &printed[..] else {
         panic!("{printed:?}");
     };
