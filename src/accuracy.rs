@@ -18,7 +18,8 @@
 ///
 /// The local scale L of two segments is the distance of their origins, the positions where they begin, plus their extents. Neither
 /// the absolute position nor the absolute time enters, but for polynomials in absolute time: their terms may be larger
-/// than what they add up to.
+/// than what they add up to. The cubic of a straight motion ([`coasting`](crate::Trajectory::coasting), or a state that is told)
+/// counts as at least 6 s long: at 1e6 m/s its extent is 6e6 m.
 ///
 /// # Why no stage can lose a conflict
 ///
