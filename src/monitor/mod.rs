@@ -255,7 +255,8 @@ impl Monitor {
     }
 
     /// Sets the largest change of an encounter's numbers that is not reported, measured from those of
-    /// its first event or its last [`Revised`](EventKind::Revised).
+    /// its first event or its last [`Revised`](EventKind::Revised). The nearest point and the end of an encounter are
+    /// reported whatever the threshold, once they come into the examined time: see [`RevisionThreshold`].
     ///
     /// # Errors
     ///
