@@ -104,7 +104,8 @@
 //! - `serde`: scenes, states, queries, screenings, options of covers and live monitors, commands, events, snapshots, conflicts
 //!   and their parts implement `Serialize` and `Deserialize`. Before version 1.0 a minor version may change their form;
 //!   a recording names its own. Turn on `float_roundtrip` of `serde_json`: without it the last bits of numbers change when
-//!   they are read, and a restored snapshot reports events at other times, by some 1e-14 s. (`recording` turns it on.)
+//!   they are read. A scene then has other conflicts in their last bits, and a restored snapshot reports events at other
+//!   times, by some 1e-14 s. (`recording` turns it on.)
 //! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
 //!   `recording::Replay` replays them, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes the vectors of other libraries.
