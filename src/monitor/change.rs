@@ -22,8 +22,8 @@ use crate::window::Window;
 
 impl Monitor {
     /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
-    /// state is taken to have flown there since. In a frame, insert after the tick at whose clock the body appears.
-    /// For a body that ignores others from the beginning: [`Command::InsertIgnoring`].
+    /// state is taken to have flown there since, and meets what was on that way. So insert after the tick at whose clock
+    /// the body appears: see [order of a frame](Self#order-of-a-frame). For a body that ignores others from the beginning: [`Command::InsertIgnoring`].
     ///
     /// # Errors
     ///
@@ -49,8 +49,8 @@ impl Monitor {
 
     /// Removes a body. Its encounters end, or are withdrawn, at the clock of the last tick, or at the instant up to
     /// which its events were reported if a budget ran out before. The next tick reports that; until then
-    /// [`conflicts`](Self::conflicts) still has the body. What it met after that clock is not reported: in a frame,
-    /// remove after the tick at whose clock the body disappears.
+    /// [`conflicts`](Self::conflicts) still has the body. What it met after that clock is not reported: so remove after
+    /// the tick at whose clock the body disappears, see [order of a frame](Self#order-of-a-frame).
     ///
     /// # Errors
     ///

@@ -78,11 +78,39 @@ use told_motions::ToldMotions;
 ///   [`EventKind`] has the order of events.
 /// - A change between two ticks counts from the clock of the tick before, if it has no time of its own: a body that is
 ///   [inserted](Self::insert) exists from then on as its plan says, one that is [removed](Self::remove) is gone from then
-///   on, and so with whole trajectories and orientations, hitboxes, layers, model errors and ignored pairs. So make such changes after the tick at whose clock
-///   they count.
+///   on, and so with whole trajectories and orientations, hitboxes, layers, model errors and ignored pairs. So make such
+///   changes after the tick at whose clock they count.
 /// - Exception: a [budget](Self::advance_within) may leave the monitor behind its clock. Such a change then counts from
 ///   [`complete_until`](Self::complete_until) on, up to which all was reported. A plan still counts from its own instant
 ///   on, but not before that.
+///
+/// # Order of a frame
+///
+/// Tell, advance, then insert and remove. Removing and inserting before the tick misses what a removed body met since the
+/// last tick, and reports what an inserted one would have met on a way that it did not fly.
+///
+/// ```
+/// # use nearmiss::{AlertLevel, Body, EventKind, Monitor, Scene, State, Trajectory};
+/// # let mut monitor = Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel::at(1.0)])?;
+/// # let still = |x: f64| Ok::<_, nearmiss::Error>(Body::new(Trajectory::at_rest([x, 0.0, 0.0])?));
+/// # let coasting = |state| Ok::<_, nearmiss::Error>(Body::new(Trajectory::coasting(state)?));
+/// # let target = monitor.insert(still(10.0)?)?;
+/// # let ship = monitor.insert(coasting(State::new(0.0, [0.0; 3], [0.0; 3]))?)?;
+/// # let old = monitor.insert(coasting(State::new(0.0, [8.5, 0.0, 0.0], [60.0, 0.0, 0.0]))?)?;
+/// # let mut events = Vec::new();
+/// # monitor.advance(0.0, &mut events)?;
+/// # events.clear();
+/// # let now = 1.0 / 60.0;
+/// # let (moved, fired) = (State::new(now, [9.2, -2.0, 0.0], [0.0; 3]), State::new(now, [9.2, 9.0, 0.0], [0.0, 600.0, 0.0]));
+/// monitor.track(now, [(ship, moved)])?; // where bodies are now
+/// monitor.advance(now, &mut events)?; // what happened up to now
+/// let shot = monitor.insert(coasting(fired)?)?; // appears now
+/// monitor.remove(old)?; // disappears now
+/// assert!(events.iter().any(|event| matches!(event.kind, EventKind::Began(it) if it.b == old)));
+/// # monitor.advance(2.0 * now, &mut events)?;
+/// # assert!(events.iter().all(|event| event.kind.encounter().is_none_or(|it| it.b != shot)));
+/// # Ok::<(), nearmiss::Error>(())
+/// ```
 ///
 /// # Cost
 ///
