@@ -9,6 +9,9 @@
 //!   included;
 //! - `frame/told_far/10k`, one thread: as `told`, 10 s ahead;
 //! - `frame/told_convoy/5k`, one thread: as `told`, with one body in 20^3 m, and all move on together at 316 m/s;
+//! - `frame/told_dense/10k`, `frame/update_screen_dense/10k`, one thread: as `told` and `update_screen`, with one body in
+//!   10^3 m and a margin of 0 m;
+//! - `frame/told_crowd/10k`, `frame/update_screen_crowd/10k`, one thread: the same with one body in 3^3 m;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
 //! - `frame/told_resting/10k`, one thread: as `told`, and half of the bodies rest;
@@ -132,6 +135,10 @@ fn main() {
     }
     run.measure(("told_far", 10_000), 1, Told::far_ahead);
     run.measure(("told_convoy", 5_000), 1, Told::convoy);
+    run.measure(("told_dense", 10_000), 1, Told::dense);
+    run.measure(("update_screen_dense", 10_000), 1, UpdateScreen::dense);
+    run.measure(("told_crowd", 10_000), 1, Told::crowd);
+    run.measure(("update_screen_crowd", 10_000), 1, UpdateScreen::crowd);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);
     run.measure(("told_resting", 10_000), 1, Told::half_at_rest);

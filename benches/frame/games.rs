@@ -23,15 +23,32 @@ pub(crate) trait Game {
 pub(crate) struct UpdateScreen {
     world: World,
     scene: Scene,
+    /// m.
+    margin: f64,
     counts: [u64; 2],
 }
 
 impl UpdateScreen {
     pub(crate) fn new(bodies: u32) -> Self {
-        let (world, scene) = World::new(bodies);
+        Self::of(World::new(bodies), MARGIN)
+    }
+
+    /// Returns a game with one body in 10^3 m, in which contacts are looked for.
+    pub(crate) fn dense(bodies: u32) -> Self {
+        Self::of(World::with_spacing(bodies, 10.0), 0.0)
+    }
+
+    /// Returns a game with one body in 3^3 m, in which contacts are looked for.
+    pub(crate) fn crowd(bodies: u32) -> Self {
+        Self::of(World::with_spacing(bodies, 3.0), 0.0)
+    }
+
+    /// Returns a game whose margin (m) is known.
+    fn of((world, scene): (World, Scene), margin: f64) -> Self {
         Self {
             world,
             scene,
+            margin,
             counts: [0; 2],
         }
     }
@@ -44,7 +61,7 @@ impl Game for UpdateScreen {
         let begin = Instant::now();
         let updated = self.scene.update(self.world.states().iter().copied());
         let screening = updated.and_then(|()| {
-            let query = Query::new(Window::new(now, now + LOOKAHEAD)?).with_margin(MARGIN);
+            let query = Query::new(Window::new(now, now + LOOKAHEAD)?).with_margin(self.margin);
             self.scene.screen(&query)
         });
         let time = begin.elapsed();
@@ -89,6 +106,16 @@ impl Told<World> {
     /// Returns a game whose bodies all move on together.
     pub(crate) fn convoy(bodies: u32) -> Self {
         Self::of(World::convoy(bodies), LOOKAHEAD, &[MARGIN])
+    }
+
+    /// Returns a game with one body in 10^3 m, in which contacts are looked for.
+    pub(crate) fn dense(bodies: u32) -> Self {
+        Self::of(World::with_spacing(bodies, 10.0), LOOKAHEAD, &[0.0])
+    }
+
+    /// Returns a game with one body in 3^3 m, in which contacts are looked for.
+    pub(crate) fn crowd(bodies: u32) -> Self {
+        Self::of(World::with_spacing(bodies, 3.0), LOOKAHEAD, &[0.0])
     }
 
     /// Returns a game whose bodies are told in every other frame.

@@ -61,6 +61,12 @@ impl World {
         Self::of((count, 20.0), DVec3::new(300.0, 100.0, 0.0), |_| false)
     }
 
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`new`](Self::new), one in a cube of this side (m).
+    pub(crate) fn with_spacing(count: u32, spacing: f64) -> (Self, Scene) {
+        Self::of((count, spacing), DVec3::ZERO, |_| false)
+    }
+
     fn of((count, spacing): (u32, f64), common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
         let mut rng = generator(1);
         let half = 0.5 * spacing * f64::from(count).cbrt();
