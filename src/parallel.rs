@@ -4,8 +4,9 @@
 //! A thread in no pool does not ask a global pool of one thread: that one may be busy elsewhere, as a main thread that is
 //! the pool's own is while it waits for a live monitor.
 //!
-//! Divided work meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
-//! each closure: with them the crate had a fifth more code to compile.
+//! Work that [`Divide`] divides meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
+//! each closure: with them the crate had a fifth more code to compile. Three functions call rayon themselves: [`map_into`]
+//! and [`sort`] have one caller each, and write into memory that is there; [`join`] divides nothing.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -226,7 +227,8 @@ pub(crate) fn for_each<T: Send>(shares: &mut [T], work: impl Fn(usize, &mut T) +
     });
 }
 
-/// Runs two functions in parallel, or one after the other for few items: see [`map`].
+/// Runs two functions in parallel. For few items, or on one thread, they run one after the other on this thread, in the
+/// order given: waking another thread takes longer.
 pub(crate) fn join<T: Send, U: Send>(
     count: usize,
     few: usize,
@@ -239,8 +241,7 @@ pub(crate) fn join<T: Send, U: Send>(
     }
     #[cfg(not(feature = "parallel"))]
     let _ = (count, few);
-    let other = other();
-    (one(), other)
+    (one(), other())
 }
 
 /// Sorts by a total order without ties that matter: the same on any number of threads.

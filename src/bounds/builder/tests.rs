@@ -144,7 +144,7 @@ fn slacks_are_rounded_outward() {
     }
 }
 
-/// Returns the deviation of a run of cubics of no duration, and the end of its line.
+/// Runs of cubics of no duration: the deviation contains that of the cubics, and the way to the end of the line.
 #[test]
 fn strays_of_runs_are_rounded_outward() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);

@@ -14,8 +14,9 @@ impl Trajectory {
     /// departure. Beyond the first and last waypoint, if [`Outside`](crate::Outside) says so, the body keeps the
     /// velocity of the leg there.
     ///
-    /// Each leg is straight, without any rounding across it or in its velocity. A position on a leg is good to a few
-    /// roundings of the leg's length, and of the position itself.
+    /// Each leg is exactly straight, and its velocity exactly constant. That velocity is the way between the waypoints over
+    /// the time between them, good to a few roundings. A position on a leg is good to a few roundings of the leg's length,
+    /// and of the position itself.
     ///
     /// ```
     /// use nearmiss::Trajectory;
