@@ -7,19 +7,18 @@ use std::sync::{Mutex, PoisonError};
 /// Scratch that waits for its next use: first use of fresh memory costs as much as writing its content.
 #[derive(Default)]
 pub(crate) struct Pool<T> {
-    unused: Mutex<Vec<OneBoxed<T>>>,
+    /// By address: scratch is large, and taken for single bodies.
+    unused: Mutex<Vec<Box<T>>>,
 }
-
-/// A list of one, by its address: scratch is large, and taken for single bodies. An empty list takes no memory.
-type OneBoxed<T> = Box<[T]>;
 
 impl<T: Default> Pool<T> {
     /// Returns scratch from the pool, to which it returns when dropped.
     pub(crate) fn take(&self) -> Pooled<'_, T> {
-        let unused = self.unused.lock().unwrap_or_else(PoisonError::into_inner);
-        let unused = { unused }.pop();
+        let unused = self.unused.lock();
+        // The lock ends with this statement: new scratch is made without it.
+        let scratch = unused.unwrap_or_else(PoisonError::into_inner).pop();
         Pooled {
-            scratch: unused.unwrap_or_else(|| Box::new([T::default()])),
+            scratch: Some(scratch.unwrap_or_default()),
             pool: self,
         }
     }
@@ -40,7 +39,8 @@ impl<T> fmt::Debug for Pool<T> {
 /// Scratch on loan from a pool.
 #[derive(Debug)]
 pub(crate) struct Pooled<'p, T: Default> {
-    scratch: OneBoxed<T>,
+    /// `None` once it went back.
+    scratch: Option<Box<T>>,
     pool: &'p Pool<T>,
 }
 
@@ -48,20 +48,26 @@ impl<T: Default> Deref for Pooled<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        &self.scratch[0]
+        self.scratch.as_deref().unwrap_or_else(|| gone())
     }
 }
 
 impl<T: Default> DerefMut for Pooled<'_, T> {
     fn deref_mut(&mut self) -> &mut T {
-        &mut self.scratch[0]
+        self.scratch.as_deref_mut().unwrap_or_else(|| gone())
     }
 }
 
 impl<T: Default> Drop for Pooled<'_, T> {
     fn drop(&mut self) {
-        let scratch = std::mem::take(&mut self.scratch);
         let unused = self.pool.unused.lock();
-        unused.unwrap_or_else(PoisonError::into_inner).push(scratch);
+        let mut unused = unused.unwrap_or_else(PoisonError::into_inner);
+        unused.extend(self.scratch.take());
     }
+}
+
+/// Scratch is there until it is dropped.
+#[cold]
+fn gone() -> ! {
+    unreachable!("scratch goes back when dropped")
 }
