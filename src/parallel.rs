@@ -4,9 +4,9 @@
 //! A thread in no pool does not ask a global pool of one thread: that one may be busy elsewhere, as a main thread that is
 //! the pool's own is while it waits for a live monitor.
 //!
-//! Work that [`Divide`] divides meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled anew for
-//! each closure: with them the crate had a fifth more code to compile. Three functions call rayon themselves: [`map_into`]
-//! and [`sort`] have one caller each, and write into memory that is there; [`join`] divides nothing.
+//! Work that [`Divide`] divides meets rayon in [`run_both`], which is compiled once. Rayon's iterators are compiled
+//! anew for each closure: with them the crate had a fifth more code to compile. Three functions call rayon themselves:
+//! [`map_into`] and [`sort`] have one caller each, and write into memory that is there; [`join`] divides nothing.
 
 use std::cmp::Ordering;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! The README quotes what its two programs print.
 //!
-//! `tests/readme_programs` has both programs as they stand in the README, letter by letter. They are run here; what they
-//! print is kept.
+//! `tests/readme_programs` has both programs as they stand in the README, letter by letter. They are run here, and what
+//! they print is kept.
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 

@@ -22,8 +22,8 @@ use crate::window::Window;
 
 impl Monitor {
     /// Adds a body. It counts from the clock of the last tick on: one that [coasts](Trajectory::coasting) from a later
-    /// state is taken to have flown there since, and meets what was on that way. So insert after the tick at whose clock
-    /// the body appears: see [order of a frame](Self#order-of-a-frame). For a body that ignores others from the beginning: [`Command::InsertIgnoring`].
+    /// state is taken to have flown since, and meets what was on that way. Insert after the tick at whose clock it appears:
+    /// see [order of a frame](Self#order-of-a-frame). [`Command::InsertIgnoring`] adds a body that ignores others.
     ///
     /// # Errors
     ///

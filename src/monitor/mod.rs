@@ -101,7 +101,8 @@ use told_motions::ToldMotions;
 /// # monitor.advance(0.0, &mut events)?;
 /// # events.clear();
 /// # let now = 1.0 / 60.0;
-/// # let (moved, fired) = (State::new(now, [9.2, -2.0, 0.0], [0.0; 3]), State::new(now, [9.2, 9.0, 0.0], [0.0, 600.0, 0.0]));
+/// # let moved = State::new(now, [9.2, -2.0, 0.0], [0.0; 3]);
+/// # let fired = State::new(now, [9.2, 9.0, 0.0], [0.0, 600.0, 0.0]);
 /// monitor.track(now, [(ship, moved)])?; // where bodies are now
 /// monitor.advance(now, &mut events)?; // what happened up to now
 /// let shot = monitor.insert(coasting(fired)?)?; // appears now
