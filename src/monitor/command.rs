@@ -113,6 +113,8 @@ impl CommandBatch {
         let changed = self.changed.iter_mut();
         let refusals = changed.filter_map(|change| change.refusal.take());
         let first = refusals.chain(refused).min_by_key(|refusal| refusal.0);
+        // A game may write all that it knows of a body in each frame.
+        self.changed.retain(|change| !change.is_in_vain);
         first.map_or(Ok(()), |(_, error)| Err(error))
     }
 

@@ -93,6 +93,8 @@ pub(super) struct PendingChange {
     /// The monitored body with these parts; none once taken, and for removed bodies.
     pub(super) monitored: Option<MonitoredBody>,
     pub(super) refusal: Option<Refusal>,
+    /// True if the body has all of this already.
+    pub(super) is_in_vain: bool,
 }
 
 /// A straight motion, from an instant (s) on.
@@ -131,6 +133,7 @@ impl PendingChange {
             last: command,
             monitored: None,
             refusal: None,
+            is_in_vain: false,
         }
     }
 
@@ -256,6 +259,24 @@ impl PendingChange {
         spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }
 
+    /// Returns true if the body has all of this.
+    fn is_as(&self, body: &Body) -> bool {
+        let same = |plan: &Trajectory| *plan == body.trajectory;
+        self.trajectory.as_ref().is_none_or(same)
+            && self
+                .hitbox
+                .as_ref()
+                .is_none_or(|hitbox| *hitbox == body.hitbox)
+            && self
+                .orientation
+                .as_ref()
+                .is_none_or(|orientation| *orientation == body.orientation)
+            && self.layers.is_none_or(|layers| layers == body.layers)
+            && self
+                .model_error
+                .is_none_or(|metres| metres.to_bits() == body.model_error().to_bits())
+    }
+
     /// Prepares the outcome for the body.
     pub(super) fn prepare(
         &mut self,
@@ -266,9 +287,12 @@ impl PendingChange {
         if !self.is_removed && self.can_replace(body, context)? {
             return Ok(());
         }
+        // A plan that is followed from an instant on may be late, which is told.
+        let is_set = self.motion.is_none() && self.splice.is_none();
+        self.is_in_vain = !self.is_removed && is_set && self.is_as(body);
         self.motion_to_splice();
         self.splice(scene, context)?;
-        if !self.is_removed {
+        if !self.is_removed && !self.is_in_vain {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
             let hitbox = self.hitbox.as_ref().unwrap_or(&body.hitbox);
             let orientation = self.orientation.as_ref().unwrap_or(&body.orientation);

@@ -31,6 +31,7 @@ mod teleports;
 mod threads;
 mod tracked;
 mod tracked_calls;
+mod unchanged;
 
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
@@ -398,8 +399,15 @@ fn boxes_formed(share: f64) -> (Vec<(u64, u64)>, u64) {
     let ticks = (1..=120).map(|number| {
         for &id in &ids {
             if rng.random_bool(share) {
-                let same = monitor.scene().body(id).unwrap().trajectory.clone();
-                monitor.set_trajectory(id, same).unwrap();
+                let plan = monitor.scene().body(id).unwrap().trajectory.clone();
+                // Another one that does not differ before its end, which is far ahead.
+                let other = match plan.outside_after() {
+                    Outside::Absent => Outside::Coast,
+                    _ => Outside::Absent,
+                };
+                monitor
+                    .set_trajectory(id, plan.with_outside(other))
+                    .unwrap();
             }
         }
         tick(&mut monitor, f64::from(number) / 30.0);
