@@ -102,7 +102,8 @@
 //!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far
 //!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
 //! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
-//!    fat line's place, where the first terms have six.
+//!    fat line's place, where the first terms have six. A line that goes on beyond its body's ends takes two more of its
+//!    change: five of eight.
 //! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are
 //!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
 //!    within one rounding outside a contact, may be the one to report. The terms are that motion

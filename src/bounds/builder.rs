@@ -24,7 +24,7 @@ pub(crate) struct BoundsBuilder<const MOVES: bool> {
     /// Least and largest deviation from the line on each axis.
     least: Vec4,
     most: Vec4,
-    /// The line from the start of the first piece to the end of the last one.
+    /// The line through the start of the first piece and the end of the last one: see [`toward`](Self::toward).
     start: Vec4,
     change: Vec4,
     /// Point on the line at the end of the pieces so far, and the elapsed share of the slice.
@@ -37,7 +37,8 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
     /// Starts a builder with the first piece of a slice, on the line to the end of the last one.
     #[inline(always)]
     pub(crate) fn between(head: &SubCubic, tail: &SubCubic, slice: &SliceInterval<MOVES>) -> Self {
-        let mut builder = Self::toward((head.points[0], head.from), tail.points[3], slice);
+        let (first, last) = ((head.points[0], head.from), (tail.points[3], tail.to));
+        let mut builder = Self::toward(first, last, slice);
         builder.follow(head);
         builder
     }
@@ -77,7 +78,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
             // The new line does not go through the ends of the runs' lines.
             low: first.low,
             high: first.high,
-            ..Self::toward((first.start, slice.from), last.end, slice)
+            ..Self::toward((first.start, slice.from), (last.end, slice.to), slice)
         }
     }
 
@@ -114,7 +115,7 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         tail: &StraightPart,
         slice: &SliceInterval<MOVES>,
     ) -> Self {
-        let mut builder = Self::toward((head.first, head.from), tail.last, slice);
+        let mut builder = Self::toward((head.first, head.from), (tail.last, tail.to), slice);
         builder.go_straight(head);
         builder
     }
@@ -133,25 +134,43 @@ impl<const MOVES: bool> BoundsBuilder<MOVES> {
         self.spread = self.spread.max(part.spread);
     }
 
-    /// Starts a builder on the line from a point at an instant (s) to another point.
+    /// Starts a builder on the line through two points, each at an instant (s). A body that begins or ends in mid-slice
+    /// has a line that goes on beyond both points as it goes between them.
+    ///
+    /// Any line bounds the body: deviations are measured from the line as it is rounded here, at the shares of the pieces.
+    /// Their rounding is counted in the body's coordinates and the line's change. That holds for every line: from the
+    /// first instant to the last one it lies between both points. It starts at most its change farther from the anchor
+    /// than the body: see [`fat_line`].
     #[inline(always)]
-    fn toward((start, from): (Vec4, f64), end: Vec4, slice: &SliceInterval<MOVES>) -> Self {
-        // The line of a slice of no duration is a point: any distance from it counts as deviation.
-        let change = if slice.rate > 0.0 {
-            end - start
-        } else {
-            Vec4::ZERO
-        };
+    fn toward(
+        (first, from): (Vec4, f64),
+        (last, to): (Vec4, f64),
+        slice: &SliceInterval<MOVES>,
+    ) -> Self {
+        /// Least share of the slice between both instants by which the line's change is told. A body of less time does not go
+        /// far, and a larger change would add rounding.
+        const LEAST: f32 = 0.125;
         let share = slice.share(from);
+        let between = slice.share(to) - share;
+        let displacement = last - first;
+        let (start, change) = if slice.rate <= 0.0 {
+            // The line of a slice of no duration is a point: any distance from it counts as deviation.
+            (first, Vec4::ZERO)
+        } else if between < 1.0 {
+            let change = displacement * (1.0 / between.max(LEAST));
+            (first - change * share, change)
+        } else {
+            (first, displacement)
+        };
         let line = start + change * share;
-        let point = slice.relative_at(start, share);
+        let point = slice.relative_at(first, share);
         Self {
             low: point,
             high: point,
             spread: 0.0,
             splits: 0.0,
-            least: start - line,
-            most: start - line,
+            least: first - line,
+            most: first - line,
             start,
             change,
             line,
@@ -288,7 +307,9 @@ fn fat_line(
     first: u32,
 ) -> FatLine {
     let deviation = deviation * deviation;
-    // Eight of the line's change; of where it starts relative to the anchor, `rounding` holds those.
+    // Eight of the line's change. Two are for a point of the line (share and product), one is for its thirds. A line may
+    // start farther from the anchor than its body goes, by at most the change: one more where the line is moved and one of
+    // the origin. The others exceed all terms of second order. `rounding` holds those of the body's coordinates.
     let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
     let radius = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING

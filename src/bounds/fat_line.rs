@@ -3,7 +3,7 @@
 /// A fat line (Sederberg, Nishita, 1990) over a slice: a line with a radius, in the frame's unit.
 ///
 /// At the share `s` of the slice, 0..=1, every sphere of the body, enlarged by half the margin, is
-/// within `radius` of `start + s change`. The exact solver's rounding is included.
+/// within `radius` of `start + s change`, while the body exists. The exact solver's rounding is included.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FatLine {
     pub(crate) start: [f32; 3],

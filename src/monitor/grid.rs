@@ -274,7 +274,7 @@ mod tests {
     /// Bodies take memory in the slices in which they exist: many that exist for a short time do not make slices long.
     #[test]
     fn slices_are_as_many_as_bodies_that_exist_at_a_time_need() -> Result<(), Error> {
-        const BODIES: usize = 20_000;
+        const BODIES: usize = 40_000;
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let lookahead = 2_000.0;
         let scene_of = |life: f64, rng: &mut ChaCha8Rng| {

@@ -32,25 +32,8 @@ fn fat_lines_lie_in_the_middle_of_a_bend() {
         let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
             unreachable!("the states are in order")
         };
-        let (compact, cache_lines) = CompactTrajectory::of(flight.knots(), flight.segments());
         let frame = Frame::around(DAabb::NOTHING, 0.0);
-        let hitbox = Hitbox::POINT;
-        let padding = Padding::of(&hitbox, 0.0, &frame);
-        let source = CubicSource::compact(
-            Knots::of(flight.knots()),
-            &compact.on(&cache_lines),
-            &padding,
-            &frame,
-        );
-        let mut block = SliceBlock::default();
-        InstructionSet::best().run(FormBounds {
-            block: &mut block,
-            frame: &frame.moving(DVec3::ZERO),
-            sources: &[source],
-            present: &[0],
-            ends: &[0.0, 2.0],
-        });
-        let fat_line = block.slices[0].fat_lines[0];
+        let fat_line = fat_line_in(&flight, &frame, ([0.0, 2.0], DVec3::ZERO));
         assert!(
             (fat_line.start[0] - 4.0).abs() < 0.15,
             "{count} {fat_line:?}"
@@ -60,6 +43,80 @@ fn fat_lines_lie_in_the_middle_of_a_bend() {
             "{count} {fat_line:?}"
         );
     }
+}
+
+/// Returns the fat line of a motion in a slice whose boxes move with a velocity (m/s).
+fn fat_line_in(flight: &Trajectory, frame: &Frame, (ends, velocity): ([f64; 2], DVec3)) -> FatLine {
+    let (compact, cache_lines) = CompactTrajectory::of(flight.knots(), flight.segments());
+    let padding = Padding::of(&Hitbox::POINT, 0.0, frame);
+    let knots = Knots::of(flight.knots());
+    let view = compact.on(&cache_lines);
+    let mut block = SliceBlock::default();
+    InstructionSet::best().run(FormBounds {
+        block: &mut block,
+        frame: &frame.moving(velocity),
+        sources: &[CubicSource::compact(knots, &view, &padding, frame)],
+        present: &[0],
+        ends: &ends,
+    });
+    block.slices[0].fat_lines[0]
+}
+
+/// Bodies that begin or end in mid-slice are held at all their instants, by fat lines no thicker than twice those of the
+/// motion in all of the slice, of which theirs is a part: straight, bent, in several cubics and in runs of them.
+#[test]
+fn bodies_that_exist_in_part_of_a_slice_have_thin_fat_lines() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let mut thinner = 0;
+    for round in 0..2_000 {
+        let bend = [0.0, 1.0, 30.0][round % 3];
+        let far = [10.0, 1e5][round / 3 % 2];
+        let count = [1, 3, 70][round / 6 % 3];
+        let mut vector =
+            |half: f64| DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)));
+        let (place, velocity, fall) = (vector(far), vector(100.0), vector(1.0) * bend);
+        let state = |time: f64| {
+            let position = place + velocity * time + 0.5 * time * time * fall;
+            State::new(time, position, velocity + time * fall)
+        };
+        let common = [DVec3::ZERO, vector(100.0)][round / 18 % 2];
+        let flight = |from: f64, to: f64| {
+            let step = (to - from) / f64::from(count);
+            let states = (0..=count).map(|k| state(from + step * f64::from(k)));
+            let Ok(flight) = Trajectory::from_states(&states.collect::<Vec<_>>()) else {
+                unreachable!("the states are in order")
+            };
+            flight
+        };
+        // From the first instant or later on, up to the last one or less far; also for a short time.
+        let least = [0.125, 1e-3][round / 36 % 2];
+        let from = f64::max(rng.random_range(-0.2..1.0 - least), 0.0);
+        let to = f64::min(rng.random_range(from + least..1.2), 1.0);
+        let frame = Frame::around(DAabb::NOTHING, 0.0);
+        let slice = ([0.0, 1.0], common);
+        let part = fat_line_in(&flight(from, to), &frame, slice);
+        let whole = fat_line_in(&flight(0.0, 1.0), &frame, slice);
+        let wide = |lanes: [f32; 3]| DVec3::from_array(lanes.map(f64::from));
+        for step in 0..=64 {
+            let time = from + (to - from) * f64::from(step) / 64.0;
+            let line = wide(part.start) + time * wide(part.change);
+            let deviation = state(time).position.distance(line);
+            assert!(deviation <= part.radius.into(), "{round} {time} {part:?}");
+        }
+        let [radius, of_whole] = [part, whole].map(|line| f64::from(line.radius));
+        // In less than an eighth of the slice the line changes as much as in an eighth.
+        let is_short = to - from < 0.125;
+        let strayed = f64::from(u8::from(is_short)) * velocity.length() / 60.0;
+        let rounding = 64.0 * f64::from(f32::EPSILON) * (far + 100.0);
+        assert!(
+            radius <= 2.0 * of_whole + strayed + rounding,
+            "{round} {part:?} {whole:?}"
+        );
+        let missed = (1.0 - (to - from)) * (to - from) * velocity.length();
+        thinner += u32::from(radius < 0.25 * missed);
+    }
+    // As they would be if their lines went from one end to the other in all of the slice.
+    assert!(thinner > 1_000, "{thinner}");
 }
 
 /// The deviation of a run bounds that of its cubics for every line, and is not much larger.
@@ -99,7 +156,8 @@ fn runs_stray_as_far_as_their_cubics() {
         let slice = SliceInterval::new(knots[first] - 1.0, knots[first + count] + 2.0);
         let mut anywhere = || Vec4::from_array([0; 4].map(|_| rng.random_range(-1.0..=1.0)));
         let (start, end) = (anywhere(), anywhere());
-        let mut whole = BoundsBuilder::toward((start, knots[first]), end, &slice);
+        let (start, end) = ((start, knots[first]), (end, knots[first + count]));
+        let mut whole = BoundsBuilder::toward(start, end, &slice);
         let mut by_run = whole;
         by_run.pass(&run.unpack(1.0), knots[first + count]);
         for number in first..first + count {
@@ -150,8 +208,8 @@ fn strays_of_runs_are_rounded_outward() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for _ in 0..5_000 {
         let (deviation, end): (f32, f32) = (rng.random(), rng.random());
-        let mut builder =
-            BoundsBuilder::toward((Vec4::ZERO, 1.0), Vec4::ZERO, &SliceInterval::new(1.0, 1.0));
+        let (nowhere, slice) = ((Vec4::ZERO, 1.0), SliceInterval::new(1.0, 1.0));
+        let mut builder = BoundsBuilder::toward(nowhere, nowhere, &slice);
         (builder.least, builder.most) = (Vec4::splat(-deviation), Vec4::splat(deviation));
         let run = builder.finish_run(Vec4::splat(end)).unpack(1.0);
         let exact = number(f64::from(deviation)) + number(f64::from(end));
