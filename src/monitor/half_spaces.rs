@@ -81,7 +81,7 @@ impl HalfSpaceSearch {
         let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
         // needed. Where most bodies have changed, they may do so again at the next tick.
-        let have_most_changed = are_most(self.to_compare.len(), bodies.monitored.len());
+        let have_most_changed = are_most(self.to_compare.len(), bodies.monitored.bodies());
         let until = if have_most_changed {
             // Just so far that `to` is [known](last_known).
             latest_exact(horizon).next_up()

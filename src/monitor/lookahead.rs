@@ -335,7 +335,7 @@ impl LookaheadSearch {
             let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
             let step = (to - self.last_end) / self.grid.length;
-            let changed = (self.changed.slots().len(), self.monitored.len());
+            let changed = (self.changed.slots().len(), self.monitored.bodies());
             next.set_share_due_ahead(share_due_ahead(share, step, changed), last);
         }
         self.last_end = to;

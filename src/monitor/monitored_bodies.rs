@@ -201,6 +201,8 @@ impl MonitoredBody {
 #[derive(Debug)]
 pub(super) struct MonitoredBodies {
     by_slot: Vec<Option<MonitoredBody>>,
+    /// Number of bodies.
+    bodies: usize,
     /// Slots of half-spaces, ascending.
     half_spaces: Vec<u32>,
     /// Instant up to which all plans without end are followed, s.
@@ -211,6 +213,7 @@ impl Default for MonitoredBodies {
     fn default() -> Self {
         Self {
             by_slot: Vec::new(),
+            bodies: 0,
             half_spaces: Vec::new(),
             until: f64::INFINITY,
         }
@@ -221,6 +224,11 @@ impl MonitoredBodies {
     /// Returns the number of slots: one more than the last one.
     pub(super) fn len(&self) -> usize {
         self.by_slot.len()
+    }
+
+    /// Returns the number of bodies. There may be far more slots, if many bodies were removed.
+    pub(super) const fn bodies(&self) -> usize {
+        self.bodies
     }
 
     pub(super) fn set(&mut self, slot: u32, monitored: Option<MonitoredBody>) {
@@ -237,7 +245,9 @@ impl MonitoredBodies {
             Err(found) if is_half_space => self.half_spaces.insert(found, slot),
             _ => {}
         }
-        self.by_slot[place] = monitored;
+        self.bodies += usize::from(monitored.is_some());
+        let before = std::mem::replace(&mut self.by_slot[place], monitored);
+        self.bodies -= usize::from(before.is_some());
     }
 
     /// Returns the slots of half-spaces, ascending.

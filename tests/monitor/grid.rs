@@ -5,7 +5,11 @@ use super::is_as_screened;
 use super::scenarios::tick;
 use super::support::{rng, vector, wander, with_every_change};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, Budget, Monitor, Query, Scene, State, Trajectory, Window};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Hitbox, Monitor, Query, Scene, State, Stats, Trajectory,
+    Window,
+};
+use rand::rngs::ChaCha8Rng;
 
 const LEVEL: AlertLevel = AlertLevel::at(1.0);
 
@@ -106,7 +110,7 @@ fn a_step_over_what_is_known_keeps_it() {
 #[test]
 fn a_scene_that_becomes_another_one_gets_other_slices() {
     const BODIES: usize = 500;
-    let plan = |rng: &mut rand::rngs::ChaCha8Rng, now: f64, speed: f64| {
+    let plan = |rng: &mut ChaCha8Rng, now: f64, speed: f64| {
         let states = wander(rng, now, 80, 1.0, 200.0, speed);
         Trajectory::from_states(&states).unwrap()
     };
@@ -211,4 +215,98 @@ fn a_crowd_late_on_the_clock_is_searched_to_the_end() {
         );
     }
     is_as_screened(&monitor, LEVEL);
+}
+
+const TOUCH: AlertLevel = AlertLevel::at(0.0);
+
+/// Bodies of a world, and where they go.
+struct Crowd {
+    rng: ChaCha8Rng,
+    monitor: Monitor,
+    bodies: Vec<(BodyId, State)>,
+    now: f64,
+}
+
+impl Crowd {
+    const STEP: f64 = 1.0 / 60.0;
+
+    /// Returns bodies in a cube of a half side (m), with speeds up to one (m/s), and a monitor with a lookahead (s).
+    fn of(count: usize, (half, speed, lookahead): (f64, f64, f64)) -> Self {
+        let mut rng = rng(29);
+        let mut scene = Scene::new();
+        let mut put = |_| {
+            let velocity = speed * vector(&mut rng, 1.0);
+            let state = State::new(0.0, vector(&mut rng, half), velocity);
+            let hitbox = Hitbox::sphere(0.02).unwrap();
+            let body = Body::new(Trajectory::coasting(state).unwrap()).with_hitbox(hitbox);
+            (scene.insert(body).unwrap(), state)
+        };
+        let bodies = (0..count).map(&mut put).collect();
+        Self {
+            monitor: Monitor::new(scene, 0.0, lookahead, &[TOUCH]).unwrap(),
+            bodies,
+            rng,
+            now: 0.0,
+        }
+    }
+
+    /// Tells the first bodies other states, each from its own, in a step of the clock; returns what the tick did.
+    fn tell(&mut self, count: usize, to: impl Fn(&mut ChaCha8Rng, State) -> State) -> Stats {
+        self.now += Self::STEP;
+        for (_, state) in &mut self.bodies[..count] {
+            let velocity = state.velocity;
+            let place = state.position + (self.now - state.time) * velocity;
+            *state = to(&mut self.rng, State::new(self.now, place, velocity));
+        }
+        let told = self.bodies[..count].iter().copied();
+        self.monitor.track(self.now, told).unwrap();
+        tick(&mut self.monitor, self.now);
+        *self.monitor.stats()
+    }
+
+    /// Tells the first bodies other velocities again and again, with coordinates up to a speed (m/s); returns how many
+    /// boxes and candidates the later ticks had.
+    fn turn(&mut self, count: usize, speed: f64) -> u64 {
+        let ticks = (0..22).map(|_| {
+            self.tell(count, |rng, state| {
+                State::new(state.time, state.position, vector(rng, speed))
+            })
+        });
+        let work = ticks.map(|stats| stats.boxes + stats.candidates);
+        work.skip(2).sum()
+    }
+
+    /// Returns the bodies with a monitor that never had others, on the same clock.
+    fn anew(&self) -> Self {
+        let mut scene = Scene::new();
+        let old = self.monitor.scene();
+        let mut again = |&(id, state): &(BodyId, State)| {
+            let body = old.body(id).unwrap().clone();
+            (scene.insert(body).unwrap(), state)
+        };
+        let bodies = self.bodies.iter().map(&mut again).collect();
+        let lookahead = self.monitor.lookahead();
+        Self {
+            monitor: Monitor::new(scene, self.now, lookahead, &[TOUCH]).unwrap(),
+            bodies,
+            rng: rng(31),
+            now: self.now,
+        }
+    }
+}
+
+/// After a peak, what is done from nothing where all bodies change is done so where all that are left do.
+#[test]
+fn a_few_bodies_that_are_left_of_many_cost_no_more_than_they_alone() {
+    const LEFT: usize = 100;
+    let mut crowd = Crowd::of(40 * LEFT, (80.0, 10.0, 2.0));
+    crowd.tell(0, |_, state| state);
+    for (id, _) in crowd.bodies.split_off(LEFT) {
+        crowd.monitor.remove(id).unwrap();
+    }
+    crowd.turn(LEFT, 10.0);
+    let mut fresh = crowd.anew();
+    let work = [&mut crowd, &mut fresh].map(|crowd| crowd.turn(LEFT, 10.0));
+    assert!(2 * work[0] < 3 * work[1], "{work:?}");
+    is_as_screened(&crowd.monitor, TOUCH);
 }

@@ -66,7 +66,7 @@ impl LookaheadSearch {
         // Of two it has parts.
         let slices = (to - from) / self.grid.length + 1.0;
         let search_slices = ((to - from) / self.grid.search_length).round().max(1.0);
-        let (changed, all) = (self.changed.slots().len(), self.monitored.len());
+        let (changed, all) = (self.changed.slots().len(), self.monitored.bodies());
         let is_more = |boxes: f64| {
             let least = (FROM_NOTHING * boxes / slices).min(MOST);
             as_f64(changed) > least * as_f64(all)
@@ -117,7 +117,7 @@ impl LookaheadSearch {
     /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
     /// mean of the slices that are needed: most slices are new.
     fn is_mostly_unknown(&self, needed: usize) -> bool {
-        let (changed, all) = (self.changed.slots().len(), self.monitored.len());
+        let (changed, all) = (self.changed.slots().len(), self.monitored.bodies());
         let slices = self.slices.iter().take(needed);
         let unknown = slices.map(|slice| slice.unknown(changed, all)).sum();
         are_most(unknown, all * needed)
