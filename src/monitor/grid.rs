@@ -230,9 +230,11 @@ impl Grid {
         is_alike && self.frame.suits(scene.extremes(), most, self.margin.abs())
     }
 
-    /// Notes that the grid suits the scene as it is now, too.
+    /// Notes that the grid suits the scene as it is now, too. Searches from nothing have no slices that would have to be
+    /// formed anew: theirs become as long as those of the other grid.
     pub(super) const fn confirm(&mut self, other: &Self) {
         self.estimate = other.estimate;
+        self.search_length = other.search_length;
     }
 
     /// Returns true if the slices of a scene, which has grown, take far too much memory.

@@ -295,6 +295,22 @@ impl Crowd {
     }
 }
 
+/// Searches from nothing have as many slices as suit the bodies, too, where kept slices are as many as before.
+#[test]
+fn bodies_that_crowd_together_are_searched_in_as_many_slices_as_suit_them() {
+    const BODIES: usize = 1_000;
+    let mut crowd = Crowd::of(BODIES, (50.0, 10.0, 2.0));
+    for _ in 0..200 {
+        crowd.tell(BODIES, |rng, state| {
+            State::new(state.time, 0.988 * state.position, vector(rng, 10.0))
+        });
+    }
+    let mut fresh = crowd.anew();
+    let work = [&mut crowd, &mut fresh].map(|crowd| crowd.turn(BODIES, 10.0));
+    assert!(4 * work[0] < 5 * work[1], "{work:?}");
+    is_as_screened(&crowd.monitor, TOUCH);
+}
+
 /// After a peak, what is done from nothing where all bodies change is done so where all that are left do.
 #[test]
 fn a_few_bodies_that_are_left_of_many_cost_no_more_than_they_alone() {
