@@ -114,9 +114,8 @@ impl SceneEstimate {
             for extent in (middle.high - middle.low).to_array() {
                 spacing *= (2.0 * extent).max(reach).cbrt();
             }
-            speeds[..count].sort_unstable_by(f64::total_cmp);
             let spacing = (spacing / bodies.cbrt()).max(reach);
-            slices = 2.0 * lookahead * speeds[count / 2] / spacing;
+            slices = 2.0 * lookahead * telling_speed(&mut speeds[..count]) / spacing;
         }
         Self {
             slices,
@@ -124,6 +123,20 @@ impl SceneEstimate {
             middle,
         }
     }
+}
+
+/// Returns the cubic mean of some speeds (m/s; at least one), as the volumes of boxes grow with the cube of the way: a share
+/// of bodies that moves among others at rest tells. The fastest sixteenth counts with the speed of the next one, so that a few
+/// that are far faster make no difference.
+fn telling_speed(speeds: &mut [f64]) -> f64 {
+    speeds.sort_unstable_by(f64::total_cmp);
+    let count = speeds.len();
+    let most = speeds[(count - count.div_ceil(16)).saturating_sub(1)];
+    if most <= 0.0 {
+        return 0.0;
+    }
+    let cubes = speeds.iter().map(|speed| (speed / most).min(1.0).powi(3));
+    most * (cubes.sum::<f64>() / as_f64(count)).cbrt()
 }
 
 impl Grid {
@@ -262,7 +275,7 @@ pub(super) fn can_tell_apart(time: f64, length: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::Grid;
+    use super::{Grid, telling_speed};
     use crate::count::as_f64;
     use crate::error::Error;
     use crate::query::Query;
@@ -272,6 +285,28 @@ mod tests {
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
+
+    /// A tenth that moves tells, and one in a sample that is far faster does not.
+    #[test]
+    fn speeds_of_some_tell_and_those_of_few_do_not() {
+        let of = |rest: usize, moving: usize, fast: usize| {
+            let speeds = [(0.0, rest), (20.0, moving), (1e8, fast)];
+            let speeds = speeds.map(|(speed, count)| vec![speed; count]);
+            telling_speed(&mut speeds.concat())
+        };
+        let within = |speed: f64, least: f64, most: f64| (least..=most).contains(&speed);
+        assert!(within(of(0, 64, 0), 19.9, 20.1));
+        assert!(within(of(45, 19, 0), 10.0, 20.0));
+        assert!(within(of(58, 6, 0), 5.0, 20.0));
+        for count in [4, 16, 17, 64] {
+            let speed = of(0, count - 1, 1);
+            assert!(within(speed, 19.9, 20.1), "{count} {speed}");
+            assert!(of(count - 1, 0, 1) <= 0.0, "{count}");
+        }
+        assert!(within(of(0, 0, 64), 0.99e8, 1.01e8));
+        // Of one or two the slower one.
+        assert!(of(1, 0, 0) <= 0.0 && within(of(0, 1, 1), 19.9, 20.1));
+    }
 
     /// Bodies take memory in the slices in which they exist: many that exist for a short time do not make slices long.
     #[test]

@@ -311,6 +311,21 @@ fn bodies_that_crowd_together_are_searched_in_as_many_slices_as_suit_them() {
     is_as_screened(&crowd.monitor, TOUCH);
 }
 
+/// Where most bodies rest, slices suit those that begin to move.
+#[test]
+fn some_that_begin_to_move_among_bodies_at_rest_get_other_slices() {
+    const BODIES: usize = 1_000;
+    let mut crowd = Crowd::of(BODIES, (50.0, 0.0, 20.0));
+    for _ in 0..5 {
+        crowd.tell(0, |_, state| state);
+    }
+    crowd.turn(BODIES / 4, 20.0);
+    let mut fresh = crowd.anew();
+    let work = [&mut crowd, &mut fresh].map(|crowd| crowd.turn(BODIES / 4, 20.0));
+    assert!(4 * work[0] < 5 * work[1], "{work:?}");
+    is_as_screened(&crowd.monitor, TOUCH);
+}
+
 /// After a peak, what is done from nothing where all bodies change is done so where all that are left do.
 #[test]
 fn a_few_bodies_that_are_left_of_many_cost_no_more_than_they_alone() {
