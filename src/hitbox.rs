@@ -33,8 +33,14 @@ impl Sphere {
 
 /// A sphere, a cluster of spheres that stand in for another shape, or a [half-space](Self::half_space).
 ///
-/// Cost, where two clusters may be near each other: some microseconds for clusters of a few spheres, and tens of
-/// microseconds for hundreds or thousands, for each cubic that they follow; several times that where they turn. Most pairs of spheres are ruled
+/// Cost of two clusters that may be near each other, for each cubic that they follow:
+///
+/// - Clusters of a few spheres take some microseconds.
+/// - Clusters of hundreds of spheres that pass by closely take about ten.
+/// - Clusters that pass through each other take more. With 128 spheres each, a screening took 60 microseconds, and a tick
+///   of a [`Monitor`](crate::Monitor) that is told of them 170. With 512 spheres each, these took 270 and 1,600.
+///
+/// Clusters that turn follow several cubics in each revolution. Most pairs of spheres are ruled
 /// out together. Few are solved: those that begin and end a conflict, and those that may be the nearest ones.
 ///
 /// ```

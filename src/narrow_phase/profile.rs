@@ -112,23 +112,30 @@ impl DistanceProfile {
         self.nodes().iter().any(|node| node.distance <= threshold)
     }
 
-    /// Returns a bound of the distance in each of so many equal parts of the span, to rounding, m.
-    pub(super) fn largest_in_parts<const N: usize>(&self, cubic: &RelativeCubic) -> [f64; N] {
-        let mut largest = [0.0; N];
-        let mut nodes = self.nodes().iter().peekable();
+    /// Calls `visit` with a bound of the distance in each of so many equal parts of a stretch, to rounding, m. The ends of
+    /// the stretch are local parameters.
+    #[inline]
+    pub(super) fn each_largest_in_parts(
+        &self,
+        cubic: &RelativeCubic,
+        ((start, end), parts): ((f64, f64), usize),
+        mut visit: impl FnMut(f64),
+    ) {
+        let within = |node: &&ProfileNode| node.s >= start;
+        let mut nodes = self.nodes().iter().filter(within).peekable();
         let forms = cubic.power_forms();
-        let mut before = norm(cubic.points[0]);
-        for (part, largest) in largest.iter_mut().enumerate() {
-            let end = (part + 1) as f64 / N as f64;
-            let after = norm(forms.at(end).0);
-            *largest = before.max(after);
-            while let Some(node) = nodes.next_if(|node| node.s <= end) {
+        let mut before = norm(forms.at(start).0);
+        for part in 1..=parts {
+            let part_end = start + part as f64 / parts as f64 * (end - start);
+            let after = norm(forms.at(part_end).0);
+            let mut largest = before.max(after);
+            while let Some(node) = nodes.next_if(|node| node.s <= part_end) {
                 // Where the distance is tiny its square has no more digits.
-                *largest = largest.max(node.distance.hypot(MAXIMUM_ERROR * cubic.size));
+                largest = largest.max(node.distance.hypot(MAXIMUM_ERROR * cubic.size));
             }
+            visit(largest);
             before = after;
         }
-        largest
     }
 
     /// Returns true if the distance is constant over the span.
@@ -365,20 +372,28 @@ mod tests {
         assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
     }
 
-    /// The largest distance in a part: no instant of it is farther, and one is as far.
+    /// The largest distance in a part of a stretch: no instant of it is farther, and one is as far.
     #[test]
-    fn no_instant_of_a_cell_is_farther_than_its_largest_distance() {
+    fn no_instant_of_a_part_is_farther_than_its_largest_distance() {
         const PARTS: usize = 4;
         const SAMPLES: usize = 256;
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut peaks = 0;
         for round in 0..2_000 {
             let cubic = any_cubic(&mut rng, 0.0, 0.0);
-            let largest: [f64; PARTS] = DistanceProfile::of(&cubic).largest_in_parts(&cubic);
+            let stretch = if round % 2 == 0 {
+                (0.0, 1.0)
+            } else {
+                (rng.random_range(0.0..0.5), rng.random_range(0.5..1.0))
+            };
+            let mut largest = Vec::new();
+            let profile = DistanceProfile::of(&cubic);
+            profile.each_largest_in_parts(&cubic, (stretch, PARTS), |one| largest.push(one));
+            assert_eq!(largest.len(), PARTS);
             for (part, largest) in largest.into_iter().enumerate() {
                 let distance = |sample: usize| {
-                    let share = sample as f64 / SAMPLES as f64;
-                    cubic.distance((part as f64 + share) / PARTS as f64)
+                    let share = (part as f64 + sample as f64 / SAMPLES as f64) / PARTS as f64;
+                    cubic.distance(stretch.0 + share * (stretch.1 - stretch.0))
                 };
                 let sampled = (0..=SAMPLES).map(distance).fold(0.0, f64::max);
                 let more = largest - sampled;

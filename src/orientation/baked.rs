@@ -134,6 +134,14 @@ impl BakedRotation {
         }
     }
 
+    /// Returns the control points over a stretch, given as shares of the interval: those of the cubic, but for nine
+    /// roundings.
+    pub(crate) fn stretch(&self, (from, to): (f64, f64)) -> Self {
+        let instant = |share: f64| self.start + share * (self.end - self.start);
+        let points = restrict_to(&self.points, (0.0, 1.0), (from, to));
+        Self::new((instant(from), instant(to)), points, self.error)
+    }
+
     /// Returns the control points over the first half of the interval or the second one: those of the cubic, but
     /// for three roundings.
     pub(crate) fn half(&self, number: usize) -> Self {

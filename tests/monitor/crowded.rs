@@ -4,7 +4,9 @@ use super::is_as_screened;
 use super::scenarios::tick;
 use super::support::{bits, exceeded, line, rng, vector, with_every_change};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Budget, Monitor, Scene};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Hitbox, Monitor, Scene, Sphere, State, Trajectory,
+};
 
 const LEVEL: AlertLevel = AlertLevel::at(2.0);
 
@@ -120,4 +122,40 @@ fn more_room_is_enough() {
         is_as_screened(&monitor, LEVEL);
     }
     assert_eq!(refused, 1);
+}
+
+/// Returns so many spheres that are spread evenly over a shell of 1 m.
+fn shell(count: u32) -> Hitbox {
+    let sphere = |number: u32| {
+        let height = 1.0 - (2.0 * f64::from(number) + 1.0) / f64::from(count);
+        let (sin, cos) = (2.4 * f64::from(number)).sin_cos();
+        let across = (1.0 - height * height).sqrt();
+        Sphere::new(DVec3::new(across * cos, across * sin, height) * 0.8, 0.2)
+    };
+    Hitbox::cluster((0..count).map(sphere).collect()).unwrap()
+}
+
+/// Clusters that coast past each other for as long as a piece of their way, within a wide release margin: few of 16,384
+/// pairs of spheres are the nearest ones at some time.
+#[test]
+fn few_pairs_of_spheres_are_kept_of_coasting_clusters() {
+    let level = AlertLevel {
+        margin: 0.0,
+        release: 3.0,
+    };
+    let mut scene = Scene::new();
+    let places = [DVec3::ZERO, DVec3::new(-14.0, 1.9, 0.3)];
+    for (place, velocity) in places.into_iter().zip([DVec3::ZERO, DVec3::X * 7.0]) {
+        let plan = Trajectory::coasting(State::new(0.0, place, velocity)).unwrap();
+        scene
+            .insert(Body::new(plan).with_hitbox(shell(128)))
+            .unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[level]).unwrap();
+    // There were more than 8,192 when the search halved six seconds twice.
+    monitor.set_max_spans(256);
+    for now in [0.0, 0.5, 2.0] {
+        assert!(!tick(&mut monitor, now).is_empty() || now > 0.0);
+        is_as_screened(&monitor, level);
+    }
 }

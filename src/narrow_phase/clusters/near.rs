@@ -9,6 +9,8 @@ pub(super) struct NearSpheres {
     pub(super) listed: [Vec<ListedSphere>; 2],
     /// The sphere of each body that reaches farthest towards the other one; the two are probably among the nearest.
     pub(super) foremost: [ListedSphere; 2],
+    /// Direction of the supports: a unit vector, up to rounding, or zero.
+    pub(super) direction: DVec3,
 }
 
 /// A sphere that may be near the other body in an interval.

@@ -5,26 +5,34 @@
 
 use super::proven::{BoundStep, BoundSteps};
 use super::search::Question;
+use super::stretch::{FEWEST_HALVINGS, MOST_HALVINGS, Shares, WHOLE};
 use crate::narrow_phase::profile::DistanceProfile;
 use crate::narrow_phase::sphere_pair::SpherePair;
+use arrayvec::ArrayVec;
+use std::iter;
 
-/// Number of equal parts of a section, a multiple of that of the intervals into which it is halved.
-const PARTS: usize = 8;
+/// Largest number of equal parts of a stretch.
+const MOST_PARTS: usize = 2 << MOST_HALVINGS;
 
 /// Asks for the pairs that may come within `margin` (m) and be the nearest ones then; `solve` returns the profile of a
 /// pair's distance if that comes within the margin.
 pub(super) struct NearestQuestion<F> {
     margin: f64,
-    /// Separation that a pair must reach to matter in each equal part of the section, m. `None` if that is the margin.
-    bounds: Option<[f64; PARTS]>,
+    /// Separation that a pair must reach to matter in each equal part of the stretch, m. None if that is the margin.
+    bounds: ArrayVec<f64, MOST_PARTS>,
+    /// Number of equal parts, twice that of the intervals into which the stretch is halved.
+    parts: usize,
+    stretch: Shares,
     solve: F,
 }
 
 impl<F> NearestQuestion<F> {
-    pub(super) const fn new(margin: f64, solve: F) -> Self {
+    pub(super) fn new(margin: f64, solve: F) -> Self {
         Self {
             margin,
-            bounds: None,
+            bounds: ArrayVec::new(),
+            parts: 2 << FEWEST_HALVINGS,
+            stretch: WHOLE,
             solve,
         }
     }
@@ -35,13 +43,19 @@ impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for NearestQuest
         true
     }
 
+    fn restrict(&mut self, stretch: Shares, halvings: i32) {
+        self.stretch = stretch;
+        self.parts = 2 << halvings;
+        self.bounds.clear();
+    }
+
     fn list_bounds(&self, (start, end): (f64, f64), steps: &mut BoundSteps) {
-        let Some(bounds) = &self.bounds else {
+        if self.bounds.is_empty() {
             let bound = self.margin;
             return steps.push(BoundStep { end: 1.0, bound });
-        };
-        for (number, &bound) in (1_u8..).zip(bounds) {
-            let part_end = f64::from(number) / PARTS as f64;
+        }
+        for (number, &bound) in (1_u8..).zip(&self.bounds) {
+            let part_end = f64::from(number) / self.parts as f64;
             if start < part_end && part_end <= end {
                 let end = (part_end - start) / (end - start);
                 steps.push(BoundStep { end, bound });
@@ -54,10 +68,15 @@ impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for NearestQuest
         let (Some(profile), Some(slack)) = (profile, slack) else {
             return;
         };
-        let bounds = self.bounds.get_or_insert([self.margin; PARTS]);
-        let largest: [f64; PARTS] = profile.largest_in_parts(&pair.cubic);
-        for (bound, largest) in bounds.iter_mut().zip(largest) {
-            *bound = bound.min(largest - (pair.radius_a + pair.radius_b) + slack);
+        if self.bounds.is_empty() {
+            self.bounds.extend(iter::repeat_n(self.margin, self.parts));
         }
+        let radii = pair.radius_a + pair.radius_b;
+        let (ends, mut bounds) = ((self.stretch, self.parts), self.bounds.iter_mut());
+        profile.each_largest_in_parts(&pair.cubic, ends, |largest| {
+            if let Some(bound) = bounds.next() {
+                *bound = bound.min(largest - radii + slack);
+            }
+        });
     }
 }

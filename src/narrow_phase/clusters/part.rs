@@ -22,25 +22,25 @@ use std::collections::BTreeMap;
 
 /// Two bodies over a part of a span in which both rotations are cubics.
 pub(super) struct SpheresOverPart<'a> {
-    views: [&'a BodyView<'a>; 2],
+    pub(super) views: [&'a BodyView<'a>; 2],
     accuracy: Accuracy,
-    motion: RelativeMotion,
+    pub(super) motion: RelativeMotion,
     pub(super) whole: Interval,
     /// Magnitude to which all rounding is relative, m.
-    scale: f64,
+    pub(super) scale: f64,
     /// Factor from metres to the unit of lengths, in which that is near one.
     pub(super) power: f64,
     /// Bound of both centres' errors, for any two spheres, m.
     pub(super) error: f64,
 }
 
-/// The control points of two bodies' motions over the part, or over an interval of it.
+/// The control points of two bodies' motions over the part, over a stretch of it, or over an interval of that.
 pub(super) struct Interval {
-    /// Its ends as shares of the part.
+    /// Its ends as shares of the stretch.
     pub(super) ends: (f64, f64),
     /// Those of the bodies' relative position, m.
-    base: [DVec3; 4],
-    rotations: [Option<BakedRotation>; 2],
+    pub(super) base: [DVec3; 4],
+    pub(super) rotations: [Option<BakedRotation>; 2],
 }
 
 /// Buffers that one part leaves to the next.
@@ -82,8 +82,16 @@ impl Interval {
         self.rotations.iter().any(Option::is_some)
     }
 
-    pub(super) fn is_divisible(&self) -> bool {
-        self.ends.1 - self.ends.0 > 0.5_f64.powi(SpheresOverPart::INTERVAL_HALVINGS)
+    /// Returns true if this is not the result of so many halvings of the stretch.
+    pub(super) fn is_divisible(&self, halvings: i32) -> bool {
+        self.ends.1 - self.ends.0 > 0.5_f64.powi(halvings)
+    }
+
+    /// Returns the square of a bound of the way that the bodies get from their relative position at the start, m².
+    pub(super) fn square_reach(&self) -> f64 {
+        let [p0, rest @ ..] = self.base;
+        let squares = rest.map(|point| (point - p0).length_squared());
+        squares.into_iter().fold(0.0, f64::max)
     }
 
     /// Returns the first half or the second one.
@@ -140,11 +148,8 @@ impl<'a> SpheresOverPart<'a> {
     pub(super) const LONG: f64 = 2.0;
     /// Bend from which on halving an interval tells enough pairs apart.
     pub(super) const BENT: f64 = 0.25;
-    /// Number of times that a part is halved where there are [many](Self::MANY) pairs of spheres. With 3, pairs of 125
-    /// spheres took 0.97 times as long, and 1.01 to 1.34 if they turn.
-    const INTERVAL_HALVINGS: i32 = 2;
-    /// Largest number of times that a part, or the spheres of one body, are halved, and one more.
-    const DEPTH: usize = 12;
+    /// Largest number of times that a stretch, or the spheres of one body, are halved, and one more.
+    const DEPTH: usize = 15;
     /// Largest number of pairs of spheres that are looked at one by one in a short interval. Less in tests.
     pub(super) const CROWDED: usize = if cfg!(test) { 12 } else { 256 };
     /// Largest number of pairs of spheres that are looked at one by one in a part that can be halved. Less in
@@ -175,7 +180,7 @@ impl<'a> SpheresOverPart<'a> {
         }
     }
 
-    fn sphere(&self, body: usize, number: u32) -> &'a Sphere {
+    pub(super) fn sphere(&self, body: usize, number: u32) -> &'a Sphere {
         &self.views[body].spheres[number as usize]
     }
 
@@ -321,7 +326,7 @@ impl<'a> SpheresOverPart<'a> {
     pub(super) fn list_candidates(
         &self,
         interval: &Interval,
-        margin: f64,
+        (margin, support): (f64, f64),
         near: &NearSpheres,
         buffers: &mut CandidateBuffers,
     ) {
@@ -345,7 +350,7 @@ impl<'a> SpheresOverPart<'a> {
             let radius_a = self.sphere(0, one.number).radius;
             let path_a = self.sphere_path(interval, 0, one.number);
             for (other, path_b) in listed_b.iter().zip(&*paths_b) {
-                if one.support - other.support > bound {
+                if one.support - other.support > support {
                     continue;
                 }
                 let Some(distance) = path_a.distance_within(path_b, within) else {
@@ -432,6 +437,7 @@ impl<'a> SpheresOverPart<'a> {
             }
         }
         near.foremost = [nearest, farthest];
+        near.direction = direction;
     }
 
     /// Returns two spheres over the part.

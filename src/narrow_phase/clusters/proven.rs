@@ -1,5 +1,6 @@
 //! Contacts that solved pairs of spheres prove, of two bodies over a part of a span.
 
+use super::stretch::{MOST_HALVINGS, Shares, WHOLE};
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::spans::Span;
 use arrayvec::ArrayVec;
@@ -35,8 +36,12 @@ pub(super) struct BoundStep {
     pub(super) bound: f64,
 }
 
+/// Largest number of steps: two for each of the shortest intervals, or some for each contact.
+const MOST_STEPS: usize = 2 << MOST_HALVINGS;
+const _: () = assert!(MOST_STEPS >= 2 * ProvenContacts::MAX + 3);
+
 /// The steps of an interval, in time order.
-pub(super) type BoundSteps = ArrayVec<BoundStep, { 2 * ProvenContacts::MAX + 3 }>;
+pub(super) type BoundSteps = ArrayVec<BoundStep, MOST_STEPS>;
 
 /// The contacts proven so far over a part of a span, for a margin and a window.
 #[derive(Debug)]
@@ -44,6 +49,7 @@ pub(super) struct ProvenContacts {
     /// Apart from each other, in time order.
     contacts: ArrayVec<ProvenContact, { Self::MAX }>,
     part: Span,
+    stretch: Shares,
     margin: f64,
     window: (f64, f64),
 }
@@ -58,9 +64,15 @@ impl ProvenContacts {
         Self {
             contacts: ArrayVec::new(),
             part,
+            stretch: WHOLE,
             margin,
             window,
         }
+    }
+
+    /// Restricts the bounds to a stretch of the part.
+    pub(super) const fn restrict(&mut self, stretch: Shares) {
+        self.stretch = stretch;
     }
 
     /// Adds the contacts of a pair of spheres. Another pair may be the nearest one in them if its separation is at most `slack`
@@ -78,9 +90,11 @@ impl ProvenContacts {
         }
     }
 
-    /// Appends the steps of an interval (shares of the part) to an empty list. Reported instants are rounded: another
+    /// Appends the steps of an interval (shares of the stretch) to an empty list. Reported instants are rounded: another
     /// pair matters if it is within the margin until shortly after a contact begins, or from shortly before it ends.
     pub(super) fn list_bounds(&self, (start, end): (f64, f64), steps: &mut BoundSteps) {
+        let (from, to) = self.stretch;
+        let [start, end] = [start, end].map(|share| from + share * (to - from));
         let Span {
             start: first,
             end: last,

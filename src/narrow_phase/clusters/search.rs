@@ -8,6 +8,7 @@ use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
 use super::near::NearSpheres;
 use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOverPart};
 use super::proven::{BoundStep, BoundSteps, ProvenContact, ProvenContacts};
+use super::stretch::{FEWEST_HALVINGS, Shares, WHOLE};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
 use std::collections::BTreeMap;
@@ -20,8 +21,12 @@ pub(super) trait Question {
         false
     }
 
-    /// Appends the steps of an interval (shares of the part) to an empty list, with what the pairs solved so far leave to
-    /// be reached.
+    /// Restricts the question to a stretch of the part, which is halved so many times. No pair matters outside of the
+    /// stretch.
+    fn restrict(&mut self, _stretch: Shares, _halvings: i32) {}
+
+    /// Appends the steps of an interval (shares of the stretch) to an empty list, with what the pairs solved so far leave
+    /// to be reached.
     fn list_bounds(&self, interval: (f64, f64), steps: &mut BoundSteps);
 
     /// Solves a pair of spheres. `slack` is the difference of separations below which it is not certain which pair is nearer,
@@ -72,6 +77,10 @@ pub(super) struct ContactsQuestion<'a, F> {
 }
 
 impl<F: FnMut(&SpherePair, &mut Vec<ProvenContact>)> Question for ContactsQuestion<'_, F> {
+    fn restrict(&mut self, stretch: Shares, _: i32) {
+        self.proven.restrict(stretch);
+    }
+
     fn list_bounds(&self, interval: (f64, f64), steps: &mut BoundSteps) {
         self.proven.list_bounds(interval, steps);
     }
@@ -104,6 +113,8 @@ impl SpheresOverPart<'_> {
             buffers,
             solved,
             is_divided: false,
+            is_restricted: false,
+            halvings: FEWEST_HALVINGS,
         };
         search.search_over(&self.whole, f64::INFINITY, (first, deeper));
     }
@@ -123,6 +134,10 @@ struct Search<'s, 'a> {
     solved: &'s mut BTreeMap<MotionKey, (u32, u32)>,
     /// True if the spheres or the part are halved.
     is_divided: bool,
+    /// True if the stretch to be searched is known.
+    is_restricted: bool,
+    /// Number of times that the stretch is halved.
+    halvings: i32,
 }
 
 impl Search<'_, '_> {
@@ -151,7 +166,30 @@ impl Search<'_, '_> {
             }
             bound = self.bound(interval);
         }
-        near.remove_far(part.threshold(bound.min(most)));
+        if !self.is_restricted && near.pairs() > SpheresOverPart::MANY {
+            self.is_restricted = true;
+            let square_reach = interval.square_reach();
+            let Some(stretch) = part.stretch_within(bound, square_reach) else {
+                return;
+            };
+            if stretch != WHOLE {
+                let interval = interval.stretch(stretch);
+                self.halvings = part.halvings(interval.square_reach());
+                self.question.restrict(stretch, self.halvings);
+                return self.search_over(&interval, most, (near, deeper));
+            }
+            self.halvings = part.halvings(square_reach);
+            if self.halvings > FEWEST_HALVINGS {
+                self.question.restrict(stretch, self.halvings);
+            }
+        }
+        // Pairs with a larger support are not the nearest ones.
+        let mut behind = f64::INFINITY;
+        let is_crowded = self.is_divided || near.pairs() > SpheresOverPart::CROWDED;
+        if is_crowded && !interval.turns() {
+            behind = part.support_behind(interval, near) + self.slack();
+        }
+        near.remove_far(part.threshold(bound.min(most).min(behind)));
         if near.pairs() > SpheresOverPart::MANY
             && let [next, deeper @ ..] = deeper
         {
@@ -159,7 +197,7 @@ impl Search<'_, '_> {
             let mut is_crowded = near.pairs() > SpheresOverPart::CROWDED;
             let is_long = path.bend > SpheresOverPart::BENT
                 || is_crowded && path.length > SpheresOverPart::LONG;
-            let is_halved = is_long && interval.is_divisible();
+            let is_halved = is_long && interval.is_divisible(self.halvings);
             if is_halved || is_crowded {
                 self.is_divided = true;
                 self.solve_if_near(interval, &part.candidate(interval, facing));
@@ -183,7 +221,9 @@ impl Search<'_, '_> {
                 return;
             }
         }
-        part.list_candidates(interval, bound.min(most), near, self.buffers);
+        let most = bound.min(most);
+        let support = part.threshold(most.min(behind));
+        part.list_candidates(interval, (most, support), near, self.buffers);
         self.solve_candidates(interval);
     }
 
