@@ -149,7 +149,7 @@ impl<'a> SpheresOverPart<'a> {
     /// Bend from which on halving an interval tells enough pairs apart.
     pub(super) const BENT: f64 = 0.25;
     /// Largest number of times that a stretch, or the spheres of one body, are halved, and one more.
-    const DEPTH: usize = 15;
+    const DEPTH: usize = 12;
     /// Largest number of pairs of spheres that are looked at one by one in a short interval. Less in tests.
     pub(super) const CROWDED: usize = if cfg!(test) { 12 } else { 256 };
     /// Largest number of pairs of spheres that are looked at one by one in a part that can be halved. Less in
