@@ -132,13 +132,14 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
 
 /// One tick with whatever comes to mind.
 fn live_on(monitor: &mut Monitor, rng: &mut ChaCha8Rng, events: &mut Vec<Event>) {
-    let now = monitor.now();
     if change(monitor, rng) {
         // Refused or not, and if so, it leaves no trace.
         monitor.set_max_spans(rng.random_range(0..20));
-        let _ = monitor.advance(now, events);
+        let _ = monitor.advance(monitor.now(), events);
         monitor.set_max_spans(Monitor::MAX_SPANS);
     }
+    // A change may have set the clock.
+    let now = monitor.now();
     let step = [0.0, 0.05, 0.05, 0.05, 2.0][rng.random_range(0..5)];
     let budget = if rng.random_bool(0.4) {
         Budget::Work(rng.random_range(0..150))
