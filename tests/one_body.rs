@@ -14,8 +14,6 @@ use nearmiss::{
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicU32, Ordering};
 use support::{bits, on_threads, rng, scene_of, swarm, vector, wander};
 
 /// Bodies of all kinds in a cube of 12 m.
@@ -387,49 +385,6 @@ fn what_cannot_be_asked_is_refused() {
             assert!(error.to_string().starts_with(refusal), "{error}");
         }
     }
-}
-
-/// At any share, on any number of threads; afterwards the scene answers as before.
-#[test]
-fn a_screening_can_be_ended() {
-    let scene = scene_of(&swarm(3, 400, 40.0));
-    let query = Query::default().with_margin(1.0);
-    let expected = scene.screen(&query).unwrap().conflicts;
-    for threads in [1, 2] {
-        for most in [0.0, 0.3, 0.9, 0.95, 1.0] {
-            let calls = AtomicU32::new(0);
-            let screened = on_threads(threads, || {
-                scene.screen_with_progress(&query, |share| {
-                    calls.fetch_add(1, Ordering::Relaxed);
-                    if share >= most {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                })
-            });
-            assert!(matches!(screened, Err(Error::Cancelled)), "{most}");
-            assert!(calls.into_inner() >= 2);
-        }
-        let again = on_threads(threads, || scene.screen(&query).unwrap().conflicts);
-        assert_eq!(bits(&again), bits(&expected));
-    }
-    // It saves work: after the first share nothing is searched.
-    let (all, few) = [false, true]
-        .map(|ends| {
-            let calls = AtomicU32::new(0);
-            let _ = scene.screen_with_progress(&query, |_| {
-                calls.fetch_add(1, Ordering::Relaxed);
-                if ends {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            });
-            calls.into_inner()
-        })
-        .into();
-    assert!(few < all, "{few} {all}");
 }
 
 /// Returns a plan at a constant velocity (m/s) along x, from a place (m) at its beginning.

@@ -82,7 +82,7 @@ mod tests {
     use crate::trajectory::{State, Trajectory};
     use glam::{DQuat, DVec3};
 
-    /// Of 1,000 bodies 100 fly through one place at one instant, in two kinds that see only each other; all others are far
+    /// A tenth of the bodies fly through one place at one instant, in two kinds that see only each other. All others are far
     /// apart.
     #[test]
     fn a_crowd_of_an_instant_is_found() {

@@ -311,7 +311,7 @@ fn bodies_that_crowd_together_are_searched_in_as_many_slices_as_suit_them() {
     is_as_screened(&crowd.monitor, TOUCH);
 }
 
-/// Where most bodies rest, slices suit those that begin to move.
+/// Slices suit bodies that begin to move among many that rest.
 #[test]
 fn some_that_begin_to_move_among_bodies_at_rest_get_other_slices() {
     const BODIES: usize = 1_000;
