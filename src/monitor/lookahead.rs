@@ -153,7 +153,8 @@ impl LookaheadSearch {
         self.mark_changed(slot);
     }
 
-    /// Finds which bodies may be part of a pair: of the one in a slot, and of all if that may have changed.
+    /// Finds which bodies may be part of a pair: the one in a slot, and others that were none; or all (none). The boxes of
+    /// bodies whose last partner is gone stay: shots come and go among scenery, and all boxes cost more than to keep them.
     pub(super) fn find_partners(&mut self, scene: &Scene, slot: Option<u32>) {
         let partners = scene.partners(self.grid.margin);
         let version = Some(partners.version());
@@ -162,15 +163,17 @@ impl LookaheadSearch {
                 .in_slot(slot)
                 .is_some_and(|(_, one)| partners.has(&one.body))
         };
+        if let Some(slot) = slot {
+            self.monitored.set_partner(slot, has(slot));
+        }
         if std::mem::replace(&mut self.partners, version) == version {
-            if let Some(slot) = slot {
-                self.monitored.set_partner(slot, has(slot));
-            }
             return;
         }
-        for slot in (0_u32..).take(self.monitored.len()) {
-            if self.monitored.set_partner(slot, has(slot)) {
-                self.mark_changed(slot);
+        for other in (0_u32..).take(self.monitored.len()) {
+            let has_partner = has(other);
+            let counts = has_partner || slot.is_none();
+            if counts && self.monitored.set_partner(other, has_partner) {
+                self.mark_changed(other);
             }
         }
     }

@@ -113,3 +113,32 @@ fn kinds_of_one_body_come_and_go() {
         assert!(found > 100, "{found}");
     }
 }
+
+/// Shots come and go among scenery that meets nothing else: only the first one costs boxes of all of it.
+#[test]
+fn boxes_are_kept_while_no_partner_is_there() {
+    let at_rest = |x: f64, layers| {
+        let plan = Trajectory::at_rest(x * DVec3::X).unwrap();
+        Body::new(plan).with_layers(layers)
+    };
+    let mut scene = Scene::new();
+    for number in 0..1_000 {
+        scene
+            .insert(at_rest(f64::from(number), Layers::new(1, 2)))
+            .unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(0.25)]).unwrap();
+    let mut counts = Vec::new();
+    for shot in 0..4_u32 {
+        let now = f64::from(shot) / 30.0;
+        let place = 50.2 + 300.0 * now;
+        let id = monitor.insert(at_rest(place, Layers::new(2, 1))).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.conflicts(0).unwrap().len(), 1);
+        counts.push(monitor.stats().boxes);
+        monitor.remove(id).unwrap();
+        monitor.advance(now + 0.01, &mut Vec::new()).unwrap();
+    }
+    let are_few = counts[1..].iter().all(|&count| count < 100);
+    assert!(counts[0] >= 1_000 && are_few, "{counts:?}");
+}
