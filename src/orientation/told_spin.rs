@@ -79,8 +79,8 @@ impl Orientation {
 impl Turning {
     /// Prefetches the parts and pieces that following a spin changes.
     pub(crate) fn prefetch_parts(&self) {
-        /// The one that is left, and the one before it.
-        const USUAL: usize = 2;
+        /// The one that is left, and two before it.
+        const USUAL: usize = 3;
         prefetch(&self.parts[..self.parts.len().min(USUAL)]);
         prefetch(&self.pieces[..self.pieces.len().min(USUAL)]);
     }

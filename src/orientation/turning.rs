@@ -199,7 +199,7 @@ impl Turning {
         let next = parts.get(number + 1).and_then(|next| next.from);
         let end = next.unwrap_or(f64::INFINITY).min(from);
         let start = parts[number].from.unwrap_or(f64::NEG_INFINITY);
-        (start < end && end > since).then_some((start, end))
+        (start < end && end >= since).then_some((start, end))
     }
 
     /// Returns the parts of a motion that is left at `from` (s) for another one, without those that

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
 mod extremes;
+mod history;
 mod invariance;
 mod monitor;
 mod turned_world;

@@ -37,7 +37,7 @@ use std::io::{BufRead, Read};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Format, version 6
+/// # Format, version 7
 ///
 /// A text file. The first line is `nearmiss recording 7`. Each further line is one record:
 ///
