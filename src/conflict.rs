@@ -38,7 +38,7 @@ pub struct ClosestApproach {
     pub model_error: f64,
 }
 
-/// A closest approach with proven bounds, as in [`Certificate`](crate::Certificate): of the
+/// A closest approach with proven bounds, as in [`Certificate`]: of the
 /// splines, or with [model errors](crate::Body::with_model_error) of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

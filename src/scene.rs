@@ -371,8 +371,9 @@ impl Scene {
     /// Returns the approximate extremes of all plans of bodies that may be part of a pair, m.
     pub(crate) fn extremes(&self) -> DAabb {
         let mut extremes = DAabb::NOTHING;
+        let partners = self.partners(0.0);
         for (_, entry) in self.entries() {
-            if self.partners(0.0).has(&entry.body) {
+            if partners.has(&entry.body) {
                 extremes.include(entry.extremes());
             }
         }

@@ -122,15 +122,14 @@ impl Monitor {
 
     /// Lets the body turn as `orientation` says from `from` (s) on; until then it turns as before.
     ///
-    /// This call drops what ended before the clock of the last tick, unless
-    /// [`set_history`](Self::set_history) keeps it. Events already reported stand, also where
-    /// `from` lies before the clock.
+    /// This call drops what ended before the clock of the last tick, unless [`set_history`](Self::set_history) keeps it.
+    /// Events already reported stand, also where `from` lies before the clock.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not finite,
-    /// with [`Error::RotationVanishes`] if the tolerance of the one orientation is too small for
-    /// the other, or with [`Error::TurningHalfSpace`].
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not finite, with
+    /// [`Error::RotationVanishes`] if the tolerance of one orientation is too small for the other, or with
+    /// [`Error::TurningHalfSpace`].
     pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {
         self.apply([Command::Orient(id, from, orientation)])
             .map(drop)
@@ -159,15 +158,14 @@ impl Monitor {
     /// unless the plan is late. An orientation in the plan is followed from `from` on in any case,
     /// as by [`orient`](Self::orient); without one the body goes on turning as it does.
     ///
-    /// This call drops cubics that end before the clock of the last tick, unless
-    /// [`set_history`](Self::set_history) keeps them.
+    /// This call drops cubics that end before the clock of the last tick, unless [`set_history`](Self::set_history) keeps
+    /// them.
     ///
-    /// A plan is late if `from` lies before the clock. A late plan is accepted if it continues from
-    /// the clock on. The returned instant is then the latest of `from`, the start of the plan's
-    /// [domain](Trajectory::domain) and the start of the body's. The body keeps its known motion
-    /// before that instant. A body that does not exist yet at the clock takes no late plan
-    /// ([`Error::NoOldPlan`]). Events already reported stand: no event is reported for a change before
-    /// the clock of the last tick.
+    /// A plan is late if `from` lies before the clock. A late plan is accepted if it continues from the clock on. The
+    /// returned instant is then the latest of `from`, the start of the plan's [domain](Trajectory::domain) and the start of
+    /// the body's. The body keeps its known motion before that instant. A body that does not exist yet at the clock takes no
+    /// late plan ([`Error::NoOldPlan`]). Events already reported stand: no event is reported for a change before the clock of
+    /// the last tick.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -297,13 +295,14 @@ impl Monitor {
         ids
     }
 
-    /// Applies a batch that was checked: the scene has room, and all ids were found, so no step fails.
+    /// Applies a batch that was checked. No step fails: all ids were found, and a scene has more slots than fit into memory.
     fn take_over(&mut self, batch: &mut CommandBatch) -> Result<Vec<BodyId>, Error> {
         // Of bodies, some of which may be removed below.
         for &(a, b, rule) in &batch.pairs {
-            match rule {
-                PairRule::Ignored => self.ignore(a, b)?,
-                PairRule::Unignored => self.unignore(a, b)?,
+            match (rule, self.scene.ignores(a, b)) {
+                (PairRule::Ignored, true) | (PairRule::Unignored, false) => {}
+                (PairRule::Ignored, false) => self.ignore(a, b)?,
+                (PairRule::Unignored, true) => self.unignore(a, b)?,
             }
         }
         for place in 0..batch.changed.len() {

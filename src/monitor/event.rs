@@ -61,7 +61,7 @@ pub struct Encounter {
     pub level: usize,
     /// First instant within the level's margin, s. If the bodies were within the margin when first
     /// examined: the instant up to which the tick before reported (its clock, unless a budget ran out), or the
-    /// clock of [`Monitor::new`](crate::Monitor::new).
+    /// clock of [`Monitor::new`](crate::Monitor::new) or [`Monitor::skip_to`](crate::Monitor::skip_to).
     pub enter: f64,
     /// Last instant within the level's release margin, s; while `open`, the end of the examined
     /// time.
@@ -165,8 +165,8 @@ pub enum EventKind {
     /// first event or its last `Revised`: its enter or exit, its closest approach, or the model error of its bodies. If it
     /// began in the same tick, `Began` comes first and has the same numbers: both differ from those of the event before.
     Revised(Encounter),
-    /// The encounter had not begun, and is no longer predicted: a plan, a body or the pair changed, a body was removed, or
-    /// the monitor was closed.
+    /// The encounter had not begun, and is no longer predicted: a plan, a body or the pair changed, a body was removed, the
+    /// clock was [set](crate::Monitor::skip_to), or the monitor was closed.
     Withdrawn(Encounter),
     /// The encounter has begun.
     Began(Encounter),
@@ -189,8 +189,9 @@ pub enum EventKind {
 #[non_exhaustive]
 pub struct Event {
     /// Time, s: the enter of what began, the exit of what ended, or the end of the plan that ends.
-    /// Otherwise the monitor's clock; for withdrawals by a removal or by [`Monitor::close`](crate::Monitor::close),
-    /// the instant up to which the tick before reported events: its clock, unless its budget ran out.
+    /// Otherwise the monitor's clock; for withdrawals by a removal, by
+    /// [`Monitor::skip_to`](crate::Monitor::skip_to) or by [`Monitor::close`](crate::Monitor::close), the
+    /// instant up to which the tick before reported events: its clock, unless its budget ran out.
     pub time: f64,
     /// Kind, with the encounter or the body.
     pub kind: EventKind,

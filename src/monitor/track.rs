@@ -293,7 +293,7 @@ impl Monitor {
     }
 
     /// Lets a body follow a spin from an instant (s) on, and forgets what ends before another one. Returns true if
-    /// that changes its orientation.
+    /// that changes where its spheres are.
     fn take_spin(
         &mut self,
         id: BodyId,
@@ -302,7 +302,8 @@ impl Monitor {
     ) -> Result<bool, Error> {
         let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let turned = !body.orientation.is_fixed();
-        if !self.scene.follow_spin(id, spin, (from, since))? {
+        let is_same_at_all_times = body.hitbox.arm() <= 0.0;
+        if !self.scene.follow_spin(id, spin, (from, since))? || is_same_at_all_times {
             return Ok(false);
         }
         if turned {

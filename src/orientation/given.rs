@@ -30,6 +30,20 @@ pub(super) enum GivenRotation {
 }
 
 impl GivenRotation {
+    /// Returns true if both are the same motion as given: spins of no angular velocity hold one rotation at any time.
+    pub(super) fn is_same_as(&self, other: &Self) -> bool {
+        let held = |given: &Self| match *given {
+            Self::Spin {
+                rotation,
+                angular_velocity: DVec3::ZERO,
+                ..
+            } => Some(rotation),
+            _ => None,
+        };
+        let is_held = held(self).is_some_and(|rotation| held(other) == Some(rotation));
+        is_held || self == other
+    }
+
     /// Sets the rule for the time outside the knots, if there are knots.
     pub(super) fn set_outside(&mut self, rule: Outside) {
         match self {

@@ -246,7 +246,7 @@ impl Orientation {
         let tolerance = next.tolerance().or_else(|| self.tolerance());
         let known: Vec<&Turning> = [self, next].into_iter().filter_map(Self::turning).collect();
         if let ([.., last], [only]) = (&own[..], &other[..])
-            && last.given == only.given
+            && last.given.is_same_as(&only.given)
             && last.from.is_none_or(|begin| begin <= from)
         {
             // It is followed already.

@@ -97,10 +97,9 @@ impl Turning {
     /// Does what [`Orientation::followed_by`] does, with a spin, if each part is one piece.
     fn follow_spin(&mut self, spin: &ToldSpin, from: f64, since: f64) -> bool {
         let given = spin.given();
-        let is_followed = self
-            .parts
-            .last()
-            .is_some_and(|last| last.given == given && last.from.is_none_or(|begin| begin <= from));
+        let is_followed = self.parts.last().is_some_and(|last| {
+            last.given.is_same_as(&given) && last.from.is_none_or(|begin| begin <= from)
+        });
         let until = if is_followed { f64::INFINITY } else { from };
         // They are in time order: some at the beginning go, and some at the end.
         let before = self.parts.len();

@@ -188,30 +188,30 @@ impl Turning {
         self.pieces[section.piece].bake(ends, largest)
     }
 
-    /// Returns when a part is followed (s) if the motion is left at `from` (s); `None` if it never is,
-    /// or not after `since` (s).
+    /// Returns when a part is followed (s) if the motion is left at `until` (s); `None` if it never is, or only before
+    /// `since` (s).
     pub(super) fn followed_within(
         parts: &[OrientationPart],
         number: usize,
-        from: f64,
+        until: f64,
         since: f64,
     ) -> Option<(f64, f64)> {
         let next = parts.get(number + 1).and_then(|next| next.from);
-        let end = next.unwrap_or(f64::INFINITY).min(from);
+        let end = next.unwrap_or(f64::INFINITY).min(until);
         let start = parts[number].from.unwrap_or(f64::NEG_INFINITY);
         (start < end && end >= since).then_some((start, end))
     }
 
-    /// Returns the parts of a motion that is left at `from` (s) for another one, without those that
+    /// Returns the parts of a motion that is left at `until` (s) for another one, without those that
     /// end before `since` (s).
     pub(super) fn parts_until(
         parts: &[OrientationPart],
-        from: f64,
+        until: f64,
         since: f64,
     ) -> Vec<OrientationPart> {
         let mut kept: Vec<OrientationPart> = Vec::new();
         for (number, part) in parts.iter().enumerate() {
-            if Self::followed_within(parts, number, from, since).is_some() {
+            if Self::followed_within(parts, number, until, since).is_some() {
                 kept.push(part.clone());
             }
         }

@@ -117,7 +117,7 @@ impl Scene {
         self.ignored.contains(a, b)
     }
 
-    /// Returns the [radius](radius) of the body in a slot, m; 0 if there is none.
+    /// Returns the [`radius`] of the body in a slot, m; 0 if there is none.
     fn radius(&self, slot: u32) -> f64 {
         let entry = self.in_slot(slot);
         entry.map_or(0.0, |(_, entry)| radius(&entry.body))

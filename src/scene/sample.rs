@@ -10,7 +10,7 @@ impl Scene {
     /// Returns some of the bodies that may be part of a pair within a time (s): all if they are
     /// few, else those in slots spread over all.
     pub(crate) fn sample(&self, (from, to): (f64, f64)) -> impl Iterator<Item = &SceneEntry> {
-        let count = self.slots.len();
+        let (count, partners) = (self.slots.len(), self.partners(0.0));
         let some = (0..count.min(Self::SAMPLE)).filter_map(move |number| {
             // Not in equal strides: no order in which bodies are put in hides some kinds of them.
             let slot = if count <= Self::SAMPLE {
@@ -22,7 +22,7 @@ impl Scene {
         });
         some.filter(move |entry| {
             let domain = entry.body.trajectory.domain();
-            self.partners(0.0).has(&entry.body) && domain.start() <= to && domain.end() >= from
+            partners.has(&entry.body) && domain.start() <= to && domain.end() >= from
         })
     }
 

@@ -180,7 +180,7 @@ impl SliceBlock {
     }
 }
 
-/// Forms the boxes and fat lines of some slices (at most [`MAX_SLICES`](super::MAX_SLICES)).
+/// Forms the boxes and fat lines of some slices (at most [`MAX_SLICES`]).
 pub(crate) struct FormBounds<'a, C> {
     pub(crate) block: &'a mut SliceBlock,
     pub(crate) frame: &'a MovingFrame,

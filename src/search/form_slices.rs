@@ -134,7 +134,7 @@ impl SlicesToForm<'_> {
     }
 }
 
-/// Forms the bounds of bodies with sources made in place, in at most [`MAX_SLICES`](super::MAX_SLICES) slices.
+/// Forms the bounds of bodies with sources made in place, in at most [`MAX_SLICES`] slices.
 pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: &'a MovingFrame,

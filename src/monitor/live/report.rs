@@ -105,7 +105,7 @@ pub enum ReportKind {
     /// [`Handle::what_if_plans`](super::Handle::what_if_plans) or
     /// [`Handle::what_if_body`](super::Handle::what_if_body), worked out after all requests before it,
     /// and as far as the last tick had looked ahead. [`Refused`](Self::Refused) with
-    /// [`Error::NothingKnown`](crate::Error::NothingKnown) before the first tick, and while the budget leaves the monitor
+    /// [`Error::NothingKnown`] before the first tick, and while the budget leaves the monitor
     /// behind its clock.
     WhatIf {
         /// The request.

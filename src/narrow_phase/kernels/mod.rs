@@ -7,7 +7,7 @@
 //!
 //! - [`closest_approach`]: how near, and when;
 //! - [`enclose`]: proven bounds of the least distance, for a given error of the cubic;
-//! - [`within`]: nearer than a threshold, certainly not, or undecided.
+//! - [`within`](within()): nearer than a threshold, certainly not, or undecided.
 //!
 //! [`scalar`] asks the same of a single pair. The functions here work on the caller's thread;
 //! those in `parallel` (a feature) on all threads of the current rayon pool.

@@ -55,7 +55,7 @@ pub fn enclose(
     );
 }
 
-/// Runs [`within`](super::within) on all threads.
+/// Runs [`within`](super::within()) on all threads.
 ///
 /// # Panics
 ///

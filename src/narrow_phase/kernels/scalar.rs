@@ -52,7 +52,7 @@ pub fn enclose(points: &ControlPoints<f64>, error: f64) -> Enclosure {
 }
 
 /// Decides whether a pair certainly comes nearer than `inner`, or certainly stays farther apart
-/// than `outer`, metres; see the [batch](super::within).
+/// than `outer`, metres; see the [batch](super::within()).
 ///
 /// Certain verdicts agree with those of the batch; either may be undecided by rounding.
 #[must_use]

@@ -16,7 +16,7 @@ impl Trajectory {
     ///
     /// The control points are kept relative to the first one of their piece, each with one rounding of that distance.
     /// Position, velocity and acceleration at both ends, from which a body goes on beyond its knots if
-    /// [`Outside`](crate::Outside) says so, are those of the curve, rounded once or twice.
+    /// [`Outside`] says so, are those of the curve, rounded once or twice.
     ///
     /// ```
     /// use nearmiss::Trajectory;

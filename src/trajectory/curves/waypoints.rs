@@ -11,7 +11,7 @@ impl Trajectory {
     /// f64 or f32, arrays or tuples.
     ///
     /// The velocity jumps at the waypoints. To stop at one, name its position twice, with the times of arrival and
-    /// departure. Beyond the first and last waypoint, if [`Outside`](crate::Outside) says so, the body keeps the
+    /// departure. Beyond the first and last waypoint, if [`Outside`] says so, the body keeps the
     /// velocity of the leg there.
     ///
     /// Each leg is exactly straight, and its velocity exactly constant. That velocity is the way between the waypoints over
