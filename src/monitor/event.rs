@@ -115,7 +115,7 @@ pub enum EndReason {
     /// One of the trajectories ended.
     TrajectoryEnded,
     /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored. A
-    /// body that leaves by a plan of `replan` or `track` that begins elsewhere is
+    /// body that leaves by a plan of `replan` or `track` that begins elsewhere, or by a rotation of `orient` or `track`, is
     /// [`Separated`](Self::Separated) at that instant.
     PlanChanged,
     /// One of the bodies was removed.
