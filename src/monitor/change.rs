@@ -3,14 +3,11 @@
 use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
-use super::grid::{Grid, GridReview, SceneEstimate};
-use super::lookahead::{LookaheadSearch, push_once};
+use super::lookahead::push_once;
 use super::monitored_bodies::MonitoredBody;
 use super::pending_change::ChangeContext;
-use super::read::LevelCaches;
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::tick::plan_end;
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -392,68 +389,6 @@ impl Monitor {
         })
     }
 
-    /// Adds all bodies of the scene to a search without bodies.
-    pub(super) fn prepare_all_bodies(&mut self) -> Result<(), Error> {
-        let context = self.change_context()?;
-        let bodies = self.scene.bodies();
-        let prepared = bodies.map(|(id, body)| {
-            let monitored = context.monitored_body_of(body);
-            Ok((id, monitored.map_err(|error| error.with_id(id))?))
-        });
-        for (id, monitored) in prepared.collect::<Result<Vec<_>, Error>>()? {
-            self.search.set(id.slot, Some(monitored));
-        }
-        self.search.find_partners(&self.scene, None);
-        Ok(())
-    }
-
-    /// Drops all state derived from the scene, and starts again with this search, which knows nothing.
-    pub(super) fn renew(&mut self, renewed: LookaheadSearch) -> Result<(), Error> {
-        let before = std::mem::replace(&mut self.search, renewed);
-        if let Err(error) = self.prepare_all_bodies() {
-            self.search = before;
-            return Err(error);
-        }
-        self.readings = LevelCaches::of_levels(self.levels.len());
-        Ok(())
-    }
-
-    /// Drops all state derived from the scene, and keeps the grid.
-    pub(super) fn forget_search(&mut self) -> Result<(), Error> {
-        let search = &self.search;
-        self.renew(LookaheadSearch::new(search.grid, search.max_spans))
-    }
-
-    /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the
-    /// scene has outgrown it, or `now` (s) is too large to tell its slices apart. A grid that no longer
-    /// suits the scene is replaced, too, if the tick may wait for the rebuild: it has no budget and does
-    /// not lag.
-    pub(super) fn choose_grid(&mut self, now: f64, may_wait: bool) -> Result<(), Error> {
-        let lookahead = (self.reported, self.lookahead);
-        let grid = &self.search.grid;
-        let margin = grid.margin;
-        let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
-        if can_stay {
-            let bodies = self.scene.len();
-            if !(may_wait && self.grid_review.is_due(bodies, now, self.lookahead)) {
-                return Ok(());
-            }
-            self.grid_review = GridReview::after_comparison(bodies, now);
-            let velocity = grid.frame.velocity();
-            let estimate = SceneEstimate::of(&self.scene, margin, lookahead, velocity);
-            if grid.suits(&self.scene, &estimate) {
-                return Ok(());
-            }
-        }
-        let other = Grid::for_scene(&self.scene, margin, lookahead, now)?;
-        if can_stay && self.search.grid.serves(&self.scene, &other) {
-            self.grid_review.was_in_vain();
-            self.search.grid.confirm(&other);
-            return Ok(());
-        }
-        self.renew(self.search.anew(other))
-    }
-
     /// Lets a body follow a straight motion from an instant (s) on, in the memory of its plan:
     /// [`Trajectory::can_replace`] must be true.
     pub(super) fn replace_motion(
@@ -479,21 +414,5 @@ impl Monitor {
         self.count_changes(1);
         self.search.set(id.slot, monitored);
         self.search.find_partners(&self.scene, Some(id.slot));
-    }
-
-    /// Schedules the report of a new plan's end.
-    fn watch_plan_end(&mut self, id: BodyId) {
-        let body = self.scene.body(id);
-        let end = body.and_then(|body| plan_end(&body.trajectory));
-        self.plan_ends.set(id.slot, end.unwrap_or(f64::INFINITY));
-    }
-
-    /// Schedules the reports of all plans' ends.
-    pub(super) fn watch_plan_ends(&mut self) {
-        for (id, body) in self.scene.bodies() {
-            if let Some(end) = plan_end(&body.trajectory) {
-                self.plan_ends.set(id.slot, end);
-            }
-        }
     }
 }

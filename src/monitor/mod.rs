@@ -20,12 +20,14 @@ pub(crate) mod live;
 mod lookahead;
 mod monitored_bodies;
 mod pending_change;
+mod plan_ends;
 mod prepared;
 mod read;
 mod reading;
 mod recent_changes;
 #[cfg(feature = "recording")]
 pub(crate) mod recording;
+mod renew;
 mod restore;
 mod revision_threshold;
 mod skip;

@@ -7,7 +7,7 @@ use super::Monitor;
 use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
 use super::encounters::TickContext;
-use super::event::{EndReason, Event, EventKind};
+use super::event::{EndReason, Event};
 use super::grid::can_show;
 use super::interrupt::Interrupt;
 use super::read::{LevelCaches, ReadContext};
@@ -19,7 +19,6 @@ use crate::parallel;
 use crate::rounding::without_negative_zero;
 use crate::scene::{PairAdmission, Scene};
 use crate::stats::Stats;
-use crate::trajectory::{Outside, Trajectory};
 use crate::wall_clock::Instant;
 use crate::window::Window;
 
@@ -239,29 +238,6 @@ impl Monitor {
         }
         events[first..].sort_unstable_by(Event::order);
     }
-
-    /// Reports each plan that ends within the lookahead, once.
-    fn report_plan_ends(&mut self, end: f64, events: &mut Vec<Event>) {
-        let scene = &self.scene;
-        self.plan_ends.take(end, |slot, _| {
-            let Some((id, entry)) = scene.in_slot(slot) else {
-                return;
-            };
-            events.extend(plan_end(&entry.body.trajectory).map(|time| Event {
-                time,
-                kind: EventKind::PlanEnds {
-                    body: id,
-                    tag: entry.body.tag,
-                },
-            }));
-        });
-    }
-}
-
-/// Returns the end of a plan without a rule beyond it, s.
-pub(super) fn plan_end(trajectory: &Trajectory) -> Option<f64> {
-    let last = trajectory.knots().last().copied();
-    last.filter(|_| trajectory.outside_after() == Outside::Absent)
 }
 
 impl Monitor {

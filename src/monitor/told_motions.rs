@@ -15,15 +15,16 @@ pub(super) struct ToldMotions {
     pub(super) motions: Vec<StraightMotion>,
     /// Spins, up to the last body of which one was given.
     pub(super) spins: Vec<Option<ToldSpin>>,
-    /// True for each body whose motion is replaced in place, from the time of the call on: most are. Once the others
-    /// have taken their plans, true for each body that follows another motion.
+    /// True for each body whose motion is replaced in place, from the time of the call on: most are.
     /// In a list of its own: motions are many times as long and do not change any more.
-    pub(super) is_moved: Vec<bool>,
+    pub(super) is_in_place: Vec<bool>,
     /// Place in these lists of each slot's body, valid if that entry is of this slot.
     place_of: Vec<usize>,
     /// Places of the bodies whose motions are not replaced in place from the time of the call on, and how each comes to
     /// follow its motion, if that is not refused.
     pub(super) others: Vec<(usize, Result<ToldPlan, Error>)>,
+    /// Places of the bodies that follow their motions already, in order.
+    pub(super) unchanged: Vec<usize>,
     /// The bodies whose motions were late, and the instants from which they follow them, s.
     pub(super) late: Vec<(BodyId, f64)>,
 }
@@ -33,14 +34,15 @@ impl ToldMotions {
         self.ids.clear();
         self.motions.clear();
         self.spins.clear();
-        self.is_moved.clear();
+        self.is_in_place.clear();
         self.others.clear();
+        self.unchanged.clear();
         self.late.clear();
     }
 
     /// Lists the other changes, once it is known which motions are replaced in place.
     pub(super) fn list_others(&mut self) {
-        let places = self.is_moved.iter().enumerate();
+        let places = self.is_in_place.iter().enumerate();
         let others = places.filter(|(_, is_replaced)| !**is_replaced);
         self.others
             .extend(others.map(|(place, _)| (place, Ok(ToldPlan::Same(0.0)))));
@@ -72,7 +74,7 @@ impl ToldMotions {
 
     /// Returns the slots of the bodies whose motions are replaced in place.
     pub(super) fn slots_in_place(&self) -> impl Iterator<Item = u32> {
-        let places = self.ids.iter().zip(&self.is_moved);
+        let places = self.ids.iter().zip(&self.is_in_place);
         places.filter_map(|(id, is_replaced)| is_replaced.then_some(id.slot))
     }
 
@@ -80,7 +82,7 @@ impl ToldMotions {
     pub(super) fn in_place(&self, slot: usize) -> Option<&StraightMotion> {
         let place = *self.place_of.get(slot)?;
         let is_own = self.ids.get(place)?.slot as usize == slot;
-        (is_own && self.is_moved[place]).then(|| &self.motions[place])
+        (is_own && self.is_in_place[place]).then(|| &self.motions[place])
     }
 }
 

@@ -193,11 +193,11 @@ impl Monitor {
         let ToldMotions {
             ids,
             motions,
-            is_moved,
+            is_in_place,
             ..
         } = told;
-        is_moved.resize(ids.len(), false);
-        parallel::for_each_chunk(is_moved, CHUNK, few, |number, some| {
+        is_in_place.resize(ids.len(), false);
+        parallel::for_each_chunk(is_in_place, CHUNK, few, |number, some| {
             let first = number * CHUNK;
             let (ids, motions) = (&ids[first..], &motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
@@ -246,13 +246,12 @@ impl Monitor {
         for (place, plan) in told.others.drain(..) {
             let id = told.ids[place];
             let plan = plan?;
-            told.is_moved[place] = !matches!(plan, ToldPlan::Same(_));
             // Those that were not listed here are followed from `now` on.
             if now < plan.from() {
                 told.late.push((id, plan.from()));
             }
             match plan {
-                ToldPlan::Same(_) => {}
+                ToldPlan::Same(_) => told.unchanged.push(place),
                 ToldPlan::InPlace(from) => {
                     self.replace_motion(id, (from, &told.motions[place]))?;
                 }
@@ -270,7 +269,8 @@ impl Monitor {
             if let Some(spin) = spin {
                 let is_changed = self.take_spin(told.ids[place], spin, (now, since))?;
                 // A body whose motion changes was counted with that.
-                self.count_changes(usize::from(is_changed && !told.is_moved[place]));
+                let is_alone = is_changed && told.unchanged.binary_search(&place).is_ok();
+                self.count_changes(usize::from(is_alone));
             }
         }
         Ok(())
@@ -334,7 +334,7 @@ impl Monitor {
     fn replace_each(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
-        for (place, is_replaced) in told.is_moved.iter().enumerate() {
+        for (place, is_replaced) in told.is_in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
             if let Some(later) = told.ids.get(place + 2 * AHEAD) {
                 prefetch_first(&slots[later.slot as usize]);

@@ -269,10 +269,12 @@ fn commands_carry_plans_that_turn() {
 #[test]
 fn a_body_that_is_told_a_spin_counts_once_as_changed() {
     let mut scene = Scene::new();
+    let arm = Hitbox::cluster(vec![Sphere::new(DVec3::X, 0.1)]).unwrap();
     let ids: Vec<BodyId> = (0..40)
         .map(|number| {
             let rest = Trajectory::at_rest(9.0 * f64::from(number) * DVec3::X).unwrap();
-            scene.insert(Body::new(rest)).unwrap()
+            let body = Body::new(rest).with_hitbox(arm.clone());
+            scene.insert(body).unwrap()
         })
         .collect();
     let levels = [AlertLevel::at(MARGIN)];
@@ -284,10 +286,13 @@ fn a_body_that_is_told_a_spin_counts_once_as_changed() {
         (0.1, 0.1, 40),
         (0.2, 0.2, 40),
         (0.3, 0.3, 40),
-        // Told again: the spin before is forgotten, and then nothing is left to change.
+        // Told again: the two spins before are forgotten, and then nothing is left to change.
+        (0.3, 0.3, 40),
         (0.3, 0.3, 40),
         (0.3, 0.3, 0),
+        // The spin before ends at the clock; then it is forgotten.
         (0.3, 0.4, 40),
+        (0.3, 0.4, 0),
         (0.3, 0.4, 40),
         (0.3, 0.4, 0),
         (0.9, 0.4, 40),
