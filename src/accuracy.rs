@@ -34,7 +34,7 @@
 /// |---|---|---|
 /// | states → segment | the Bézier points, relative to the first state's own position, are off by at most 4 u of the segment's extent; that bound stays with the segment (polynomials in absolute time: one rounding of the position, 2^-100 of all that is added up) | every later bound contains it |
 /// | beyond the knots | position, velocity and the two other coefficients around the knot are those of the numbers given, or rounded once from exact sums: 32 u of each term, so in proportion to the way | the same |
-/// | window | it clips answers, never the spans that are solved | two exact comparisons |
+/// | window | it clips answers, never the spans that are solved | two exact comparisons with instants that were rounded: `Exact` may miss a touch at the very end of a [window](crate::Window) |
 /// | boxes | f32, relative to the middle of the scene and in a power of two that suits its size, so that no range overflows | inflated by all f32 rounding errors; the spare roundings exceed the filters' clearance by far; they contain hitbox and half the margin |
 /// | candidates | the sweep maps boxes to 16 bits by a monotone rounding, clamped at the ends; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | fat lines | f32, a line and a radius for a body in a slice | the radius covers the cubic's largest distance from the line, all roundings, hitbox and half the margin |
@@ -52,7 +52,8 @@
 #[non_exhaustive]
 pub enum Accuracy {
     /// f64, good to a few roundings of the local scale, not certified. Distances within the worst
-    /// case of that rounding of the margin are reported, so a touch is never lost.
+    /// case of that rounding of the margin are reported, so a touch is never lost but at an end of the
+    /// [window](crate::Window).
     #[default]
     Exact,
     /// Every conflict carries a [`Certificate`]: proven enclosures of its separation and of its times. They hold for the

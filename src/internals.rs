@@ -24,7 +24,7 @@
 //! 3. `scene`: a body lies in a *slot*, the number in its id. A *place* is an index in a list, above all its
 //!    dense number in one search. An *entry* is a body with the *summary* of its motion. Its *compact
 //!    trajectory*, a copy in f32, lies on cache *lines* of an *arena*. The *reach* of a hitbox is the largest
-//!    distance of its points from the body's position, its *arm* that of the centres. A *partner* is another
+//!    distance of its bounding sphere's points from the body's position, its *arm* that of the centres. A *partner* is another
 //!    body with which a body may be a pair; bodies with the same layers are of one *kind*.
 //! 4. `bounds`: f32 coordinates are relative to a *reference frame* (`frame`): an origin that may move, and a unit. That of
 //!    one body's cubics is its *anchor*; a *source* is the cubics with their *placement* in the frame. A box

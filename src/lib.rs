@@ -84,7 +84,7 @@
 //! Answers are f64, good to a few roundings of the local scale (the distance of the places
 //! where the two bodies' segments begin, plus the extents of these); neither the absolute position nor the absolute time
 //! enters. Exception: polynomials in absolute time are good to a few roundings of their largest term. Distances within
-//! that rounding of the margin are reported, so a touch is never lost.
+//! that rounding of the margin are reported, so a touch is never lost but at an end of the [window](Window).
 //!
 //! All answers are about the splines. A body's model error says how far the world may be from its
 //! spline: answers then cover all that may be in the world, and a certified one is about the world

@@ -313,10 +313,10 @@ impl Monitor {
         self.revision_threshold
     }
 
-    /// Keeps plans this many seconds back, from the clock of the last tick, when bodies are
-    /// [replanned](Self::replan) or [extended](Self::extend); 0 at first, and infinity keeps all.
-    /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are
-    /// copied with each such call, a tenth of a microsecond a knot. Ticks examine the kept time of
+    /// Keeps plans and orientations this many seconds back, from the clock of the last tick, when bodies are
+    /// [replanned](Self::replan), [extended](Self::extend), [told](Self::track) or [oriented](Self::orient); 0 at first,
+    /// and infinity keeps all. It changes no event. Older cubics are forgotten then, but for the one that holds at that
+    /// instant. Kept ones are copied with each such call, a tenth of a microsecond a knot. Ticks examine the kept time of
     /// replanned bodies anew: where 50 of 2,000 bodies are replanned each tick, ticks take 1.5 times as long.
     ///
     /// # Errors

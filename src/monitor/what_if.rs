@@ -10,7 +10,9 @@ use crate::id::BodyId;
 use crate::narrow_phase::BodyView;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, BodyPlanRef, PairAdmission};
-use crate::screen::{PairQuestion, SolveScratch, conflict, extremes_of, is_apart, push_conflicts};
+use crate::screen::{
+    PairQuestion, SolveScratch, conflict, extremes_of, is_apart, push_all_conflicts,
+};
 use crate::shape::BodyShape;
 use crate::spans::in_order;
 use crate::trajectory::Trajectory;
@@ -245,7 +247,7 @@ impl Monitor {
                 let name_b = (later.id, later.tag);
                 let (views, asked) = ((&own, &later.view()), (margin, Accuracy::Exact));
                 if let Some(question) = PairQuestion::of([name, name_b], views, asked, window) {
-                    push_conflicts(&question, &mut scratch, &mut conflicts);
+                    push_all_conflicts(&question, &mut scratch, &mut conflicts);
                 }
             }
         }

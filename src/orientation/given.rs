@@ -53,7 +53,7 @@ impl GivenRotation {
     }
 
     /// Returns true if the cuts have to be searched for.
-    pub(super) const fn is_cubic(&self) -> bool {
+    pub(super) const fn has_searched_cuts(&self) -> bool {
         matches!(self, Self::NormalizedCubic { .. })
     }
 
@@ -110,8 +110,8 @@ impl GivenRotation {
                 });
                 let turn = turn.collect::<Result<Vec<RotationPiece>, Error>>()?;
                 let ends = [
-                    cubics.first().map(|cubic| going_on(cubic, 0)),
-                    cubics.last().map(|cubic| going_on(cubic, 1)),
+                    cubics.first().map(|cubic| rate_at_end(cubic, 0)),
+                    cubics.last().map(|cubic| rate_at_end(cubic, 1)),
                 ];
                 Ok(with_ends(turn, &knots, ends, *outside, tolerances))
             }
@@ -127,8 +127,8 @@ pub(super) fn spin_arc(time: f64, rotation: DQuat, angular_velocity: DVec3) -> R
     Ok(Arc::spin(without_negative_zero(time), rotation, velocity))
 }
 
-/// Returns the motion that goes on from the first (0) or last (1) knot of a cubic.
-fn going_on(cubic: &QuaternionCubic, end: usize) -> Arc {
+/// Returns the rate at the first (0) or last (1) knot of a cubic, as a motion from no rotation at 0 s.
+fn rate_at_end(cubic: &QuaternionCubic, end: usize) -> Arc {
     let velocity = cubic.end_velocities()[end];
     let angle = norm(velocity);
     let (start, finish) = cubic.ends;

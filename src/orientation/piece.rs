@@ -18,7 +18,7 @@ pub(super) struct RotationPiece {
     cuts: Cuts,
 }
 
-/// The way of turning.
+/// The motion of a piece.
 #[derive(Clone, Debug)]
 pub(super) enum RotationCurve {
     Arc(Arc),

@@ -389,7 +389,7 @@ fn kept_pieces_are_those_made_anew() {
             kept += turning
                 .parts
                 .iter()
-                .filter(|part| part.given.is_cubic())
+                .filter(|part| part.given.has_searched_cuts())
                 .count();
         }
     }

@@ -69,7 +69,7 @@ impl Turning {
             let end = next.unwrap_or(f64::INFINITY);
             let known = known.iter().filter(|one| one.tolerance == tolerance);
             let kept = known
-                .filter(|_| part.given.is_cubic())
+                .filter(|_| part.given.has_searched_cuts())
                 .find_map(|one| one.pieces_within(&part.given, (start, end)));
             let pieces = kept.map_or_else(|| part.given.pieces(tolerances), Ok)?;
             for mut piece in pieces {

@@ -15,7 +15,7 @@ mod solve;
 mod survey;
 
 pub(crate) use one::{extremes_of, is_apart};
-pub(crate) use pair::push_conflicts;
+pub(crate) use pair::push_all_conflicts;
 pub(crate) use solve::{PairQuestion, SolveScratch, conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};

@@ -1,6 +1,6 @@
 //! One body against all others of a scene.
 
-use super::pair::push_conflicts;
+use super::pair::push_all_conflicts;
 use super::prepared::{checked_margin, lone_view};
 use super::solve::{PairQuestion, SolveScratch};
 use crate::bounds::DAabb;
@@ -140,7 +140,7 @@ impl Scene {
                 let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, &view));
                 let (views, asked) = ((view_a, view_b), (margin, query.accuracy()));
                 if let Some(question) = PairQuestion::of([a, b], views, asked, window.ends()) {
-                    push_conflicts(&question, scratch, &mut found);
+                    push_all_conflicts(&question, scratch, &mut found);
                 }
             }
             Ok(found)

@@ -97,13 +97,13 @@ pub fn conflicts(a: &Body, b: &Body, query: &Query) -> Result<Vec<Conflict>, Err
     let names = [(id(0), a.tag), (id(1), b.tag)];
     let (views, asked) = ((&view_a, &view_b), (margin, query.accuracy()));
     if let Some(question) = PairQuestion::of(names, views, asked, window.ends()) {
-        push_conflicts(&question, &mut SolveScratch::default(), &mut found);
+        push_all_conflicts(&question, &mut SolveScratch::default(), &mut found);
     }
     Ok(found)
 }
 
 /// Appends all conflicts of two bodies to a list, in time order.
-pub(crate) fn push_conflicts(
+pub(crate) fn push_all_conflicts(
     question: &PairQuestion<'_>,
     scratch: &mut SolveScratch,
     found: &mut Vec<Conflict>,

@@ -149,6 +149,13 @@ fn the_format_is_as_it_is_said() {
     let older = [b"nearmiss recording 1\n", &file[21..]].concat();
     let refused = Replay::open(&older[..]).map(drop).unwrap_err();
     assert!(refused.to_string().contains("\"nearmiss recording 1"));
+    let title = file.split(|&byte| byte == b'\n').next().unwrap();
+    let title = str::from_utf8(title).unwrap();
+    let version = title.strip_prefix("nearmiss recording ").unwrap();
+    let docs = include_str!("../../../../src/monitor/recording/replay.rs");
+    for said in [format!("Format, version {version}\n"), format!("`{title}`")] {
+        assert!(docs.contains(&said), "{said}");
+    }
     // Right by its checksum, but no recording.
     let twice = file_of(&[&written[..1], &written[..]].concat());
     assert!(matches!(
