@@ -128,6 +128,22 @@ mod tests {
             [0.0, 20_000.0].into_iter().all(|begin| within(begin) > 30),
             "{ends:?}"
         );
+        // None of those that tell the pace exists at the beginning, nor at the end.
+        let later = lives[1..]
+            .iter()
+            .map(|life| (life.0 + 500.0, life.1 + 500.0));
+        let pace = Pace::of(&later.collect::<Vec<_>>(), window, body_time);
+        for count in [1.0, 7.0, 100.0] {
+            let slices = TimeSlices::whole(window.0, window.1)
+                .with_pace(&pace)
+                .with_count(count);
+            slices.ends(0..slices.count(), &mut ends);
+            assert_eq!(
+                (ends.first(), ends.last()),
+                (Some(&window.0), Some(&window.1))
+            );
+            assert!(ends.is_sorted());
+        }
         // Bodies that exist all the time, or one after another, are no reason.
         let apart = |number: u32| (f64::from(number) * 60.0, f64::from(number) * 60.0 + 50.0);
         for lives in [vec![window; 1_000], (0..1_440).map(apart).collect()] {

@@ -187,7 +187,10 @@ impl<'p> TimeSlices<'p> {
     }
 
     fn boundary(&self, index: u32) -> f64 {
-        if index >= self.count {
+        // All of the window is searched, whatever some of the bodies tell of the time in which most exist.
+        if index == 0 {
+            self.start
+        } else if index >= self.count {
             self.end
         } else {
             let share = f64::from(index) / f64::from(self.count);
