@@ -187,13 +187,17 @@ fn order(conflicts: &mut [Conflict]) {
     let enters = conflicts.iter().map(|conflict| conflict.enter);
     let mut places: Vec<(f64, u32)> = enters.zip(0..).collect();
     parallel::sort(&mut places, |x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-    for next in 0..places.len() {
-        let mut place = places[next].1 as usize;
-        // It has been exchanged with the one that was to come there.
-        while place < next {
-            place = places[place].1 as usize;
+    // Cycle by cycle, so that each is exchanged once.
+    for first in (0..).take(places.len()) {
+        let mut place = first;
+        loop {
+            let next = std::mem::replace(&mut places[place as usize].1, place);
+            if next == first {
+                break;
+            }
+            conflicts.swap(place as usize, next as usize);
+            place = next;
         }
-        conflicts.swap(next, place);
     }
     debug_assert!(
         conflicts.is_sorted_by(|x, y| x.order(y).is_le()),
