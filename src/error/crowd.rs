@@ -11,9 +11,10 @@ pub struct Crowd {
     pub id: BodyId,
     /// The body's tag: 0 without [`Body::with_tag`](crate::Body::with_tag).
     pub tag: u64,
-    /// Number of other bodies with which it has a conflict in the time that was searched.
+    /// Number of other bodies whose bounding spheres come within the margin of its own, in the time that was searched; or in
+    /// a part of it, where plans are long.
     pub others: usize,
-    /// The first instant at which most of these conflicts last at once, s.
+    /// The first instant at which most of these are that near, s.
     pub time: f64,
 }
 
@@ -31,7 +32,7 @@ impl fmt::Display for Crowd {
         );
         write!(
             f,
-            "{body} has conflicts with {} other{plural}, most at {:?} s",
+            "{body} comes near {} other{plural}, to most at {:?} s",
             self.others, self.time
         )
     }

@@ -1,34 +1,57 @@
 //! The error of a search that found too much: it names a body from the crowd.
+//!
+//! Some bodies are asked which others come near, each in another part of its time if plans are long. Each body counts as
+//! its bounding sphere. So the answer takes no longer than the search, also for clusters.
 
+use super::one::{extremes_in, extremes_of, is_apart};
+use super::pair::push_all_conflicts;
+use super::prepared::lone_view;
+use super::solve::{PairQuestion, SolveScratch};
+use crate::accuracy::Accuracy;
 use crate::conflict::Conflict;
+use crate::count::as_f64;
 use crate::error::{Crowd, Error};
+use crate::hitbox::Sphere;
 use crate::id::BodyId;
-use crate::query::Query;
-use crate::scene::Scene;
+use crate::narrow_phase::BodyView;
+use crate::parallel;
+use crate::rounding::exact_interval;
+use crate::scene::{Body, Scene};
+use crate::spans::in_order;
 use crate::window::Window;
+use std::slice::from_ref;
+
+/// Bodies that are asked. A question takes as long as the scene has bodies.
+const SAMPLE: usize = 16;
+/// Spans of all pairs of a body, at most about; four of each pair in any case.
+const SPANS: usize = 1 << 14;
 
 impl Scene {
     /// Returns the error of a search that found more spans than a limit in a window, at a margin (m).
     pub(crate) fn too_crowded(&self, limit: usize, window: Window, margin: f64) -> Error {
-        let query = Query::new(window).with_margin(margin);
         Error::TooCrowded {
             limit,
-            crowd: self.crowd(&query, limit / self.len().max(1)),
+            crowd: self.crowd(window, margin, limit / self.len().max(1)),
         }
     }
 
     /// Returns the body of a sample that comes near most others; the first one that comes near more than `enough`, if there
     /// is one.
-    fn crowd(&self, query: &Query, enough: usize) -> Option<Crowd> {
-        /// A question takes as long as the scene has bodies.
-        const SAMPLE: usize = 16;
+    fn crowd(&self, window: Window, margin: f64, enough: usize) -> Option<Crowd> {
         let ids: Vec<BodyId> = self.bodies().map(|(id, _)| id).collect();
-        let stride = (ids.len() / SAMPLE).max(1);
+        let cubics = |body: &Body| 1 + body.trajectory.cubics().len();
+        let all_cubics: usize = self.bodies().map(|(_, body)| cubics(body)).sum();
+        let (asked, stride) = (ids.len().min(SAMPLE), (ids.len() / SAMPLE).max(1));
         let mut largest: Option<Crowd> = None;
-        for number in 0..ids.len().min(SAMPLE) {
+        for number in 0..asked {
             // Not in equal strides: no order in which bodies are put in hides some kinds of them.
-            let id = ids[number * ids.len() / ids.len().min(SAMPLE) + number % stride];
-            let crowd = self.crowd_around(id, query);
+            let id = ids[number * ids.len() / asked + number % stride];
+            let body = self.body(id)?;
+            let spans_of_a_pair = cubics(body) + all_cubics / ids.len();
+            let parts = spans_of_a_pair.div_ceil((SPANS / ids.len()).max(4));
+            let life = window.intersection(body.trajectory.domain());
+            let part = life.and_then(|life| part_of(life, number * parts / asked, parts));
+            let crowd = part.and_then(|part| self.crowd_around((id, body), part, margin));
             if let Some(crowd) = crowd.filter(|crowd| crowd.is_larger_than(largest)) {
                 largest = Some(crowd);
                 if crowd.others > enough {
@@ -40,18 +63,84 @@ impl Scene {
     }
 
     /// Returns the crowd around one body; `None` if it is alone.
-    fn crowd_around(&self, id: BodyId, query: &Query) -> Option<Crowd> {
-        let body = self.body(id)?;
-        let conflicts = self.conflicts_of_one((id, body), query).ok()?;
-        let mut others: Vec<BodyId> = conflicts.iter().filter_map(|one| one.other(id)).collect();
+    fn crowd_around(
+        &self,
+        (own_id, body): (BodyId, &Body),
+        window: Window,
+        margin: f64,
+    ) -> Option<Crowd> {
+        /// Bodies that one thread examines at a time.
+        const CHUNK: usize = 256;
+        let own = lone_view(body, window).ok()?;
+        let bounding = own.bounding;
+        let own = bounded(&own, &bounding);
+        let exact = exact_interval(window.ends());
+        let range = extremes_of(&own, exact);
+        let admits = |id: BodyId, other: &Body| {
+            id != own_id && body.layers.admits(other.layers) && !self.ignores(own_id, id)
+        };
+        let entries = self.entries();
+        let entries: Vec<_> = entries
+            .filter(|(id, entry)| admits(*id, &entry.body))
+            .collect();
+        let chunks: Vec<_> = entries.chunks(CHUNK).collect();
+        let found = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
+            let mut found = Vec::new();
+            for &(id, entry) in chunks[chunk] {
+                let Ok(view) = lone_view(&entry.body, window) else {
+                    continue;
+                };
+                let reaches = [body.shape().reach(), entry.body.shape().reach(), margin];
+                if is_apart(&range, &extremes_in(entry, &view, exact), reaches) {
+                    continue;
+                }
+                let bounding = view.bounding;
+                let view = bounded(&view, &bounding);
+                let [(a, view_a), (b, view_b)] = in_order(((own_id, 0), &own), ((id, 0), &view));
+                let (views, asked) = ((view_a, view_b), (margin, Accuracy::Exact));
+                if let Some(question) = PairQuestion::of([a, b], views, asked, window.ends()) {
+                    push_all_conflicts(&question, scratch, &mut found);
+                }
+            }
+            found
+        });
+        let mut conflicts = found.concat();
+        conflicts.sort_by(Conflict::order);
+        let mut others: Vec<BodyId> = conflicts
+            .iter()
+            .filter_map(|one| one.other(own_id))
+            .collect();
         others.sort_unstable();
         others.dedup();
         Some(Crowd {
-            id,
+            id: own_id,
             tag: body.tag,
             time: densest_instant(&conflicts)?,
             others: others.len(),
         })
+    }
+}
+
+/// Returns a part of a window by its number among so many, or `None` if the window is not closed.
+fn part_of(window: Window, number: usize, parts: usize) -> Option<Window> {
+    let at = |number: usize| {
+        let share = as_f64(number) / as_f64(parts);
+        (window.start() + share * window.duration()).min(window.end())
+    };
+    let part = Window::new(at(number), at(number + 1)).ok();
+    part.filter(|part| part.is_closed())
+}
+
+/// Returns the view of a body whose only sphere is its bounding sphere. A half-space stays one.
+fn bounded<'v>(view: &BodyView<'v>, bounding: &'v Sphere) -> BodyView<'v> {
+    if view.is_half_space() {
+        return *view;
+    }
+    BodyView {
+        spheres: from_ref(bounding),
+        turning: None,
+        model_error: 0.0,
+        ..*view
     }
 }
 

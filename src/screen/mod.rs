@@ -145,9 +145,13 @@ impl Scene {
             ids: &prepared.ids,
         };
         let done = prepared.screen(query.method, &filter, &tell);
-        let margin = query.margin();
-        let mut screening =
-            done.map_err(|_| self.too_crowded(query.max_spans(), prepared.asked, margin))?;
+        let mut screening = done.map_err(|_| {
+            if gives_up() {
+                Error::Cancelled
+            } else {
+                self.too_crowded(query.max_spans(), prepared.asked, query.margin())
+            }
+        })?;
         screening.stats.bodies = self.len() as u64;
         screening.stats.total_time = begin.elapsed();
         tell(1.0);

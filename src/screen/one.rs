@@ -153,7 +153,7 @@ impl Scene {
 }
 
 /// Returns a box around a body's motion between two instants (s), m; to rounding.
-fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) -> DAabb {
+pub(super) fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) -> DAabb {
     if view.knots.has_unlisted_cubics() || !entry.body.trajectory.straight_motions().is_empty() {
         extremes_of(view, interval)
     } else {
