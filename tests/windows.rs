@@ -367,3 +367,30 @@ fn a_window_decides_nothing_within_rounding() {
     }
     assert!(found > 100, "{found}");
 }
+
+/// The scale of rounding is that of whole cubics, also where a window holds the end of a long one alone: questions about one
+/// body find what a screening finds.
+#[test]
+fn a_short_window_at_the_end_of_a_long_cubic() {
+    let (mut found, mut missed) = (0, 0);
+    for number in 0..400 {
+        let way = 10_f64.powi(4 + number % 6);
+        let state = |time: f64, y: f64| State::new(time, y * DVec3::Y, DVec3::ZERO);
+        let plan = Trajectory::from_states(&[state(-1e3, way), state(1.0, 0.0)]).unwrap();
+        let moving = Body::new(plan.with_outside(Outside::Coast));
+        let excess = way * 0.5_f64.powi(38 + number % 14);
+        let post = Body::new(Trajectory::at_rest((2.0 + excess) * DVec3::X).unwrap());
+        let mut scene = Scene::new();
+        let id = scene.insert(moving.clone()).unwrap();
+        let query = Query::new(Window::new(0.999, 2.0).unwrap()).with_margin(2.0);
+        let asked = scene.conflicts_with(&post, &query).unwrap();
+        scene.insert(post).unwrap();
+        let screened = scene.screen(&query).unwrap().conflicts;
+        assert_eq!(bits(&asked), bits(&screened), "{number}");
+        let again = scene.what_if(id, &moving.trajectory, &query).unwrap();
+        assert_eq!(bits(&again), bits(&screened), "{number}");
+        found += usize::from(!screened.is_empty());
+        missed += usize::from(screened.is_empty());
+    }
+    assert!(found > 50 && missed > 50, "{found} {missed}");
+}

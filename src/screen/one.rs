@@ -10,7 +10,7 @@ use crate::id::BodyId;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::query::Query;
-use crate::rounding::exact_interval;
+use crate::rounding::{CLEARANCE, exact_interval};
 use crate::scene::{Body, BodyPlanRef, Scene, SceneEntry, planned};
 use crate::spans::in_order;
 use std::iter::once;
@@ -162,22 +162,29 @@ pub(super) fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f6
     }
 }
 
-/// Returns a box around a motion between two instants (s), cubic by cubic, m; to rounding.
+/// Returns a box around a motion between two instants (s), cubic by cubic, m. It holds all that is reported as a contact
+/// there: the solver's rounding is relative to the whole of a cubic.
 pub(crate) fn extremes_of(view: &BodyView<'_>, (start, end): (f64, f64)) -> DAabb {
+    let knots = &view.knots;
     let mut extremes = DAabb::NOTHING;
-    for cubic in 0..view.knots.cubics() {
-        let from = view.knots.at(cubic).max(start);
-        let to = view.knots.at(cubic + 1).min(end);
+    for cubic in knots.count(|knot| knot < start).max(1) - 1..knots.cubics() {
+        let (begins, ends) = (knots.at(cubic), knots.at(cubic + 1));
+        if begins > end {
+            break;
+        }
+        let (from, to) = (begins.max(start), ends.min(end));
         if from > to {
             continue;
         }
         let segment = view.segment(cubic);
         let part = segment.restrict(from, to);
+        // The scale of a pair is at most the gap and twice the extents of both cubics. Of the gap the test takes account.
+        let error = part.error + 2.0 * CLEARANCE * segment.rounding_scale(begins, ends);
         for point in part.points {
             let point = segment.origin() + point;
             extremes.include(DAabb {
-                low: point - part.error,
-                high: point + part.error,
+                low: point - error,
+                high: point + error,
             });
         }
     }
