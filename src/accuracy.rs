@@ -7,7 +7,7 @@
 /// | | promise | cost |
 /// |---|---|---|
 /// | [`Exact`](Self::Exact) | f64, good to a few roundings of the local scale; not certified | 1 |
-/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what cannot be decided is marked | sparse scenes 1.0 to 1.4, dense ones to 1.9, clusters that turn 1.7 to 2.5 |
+/// | [`Certified`](Self::Certified) | proven enclosures of separation, enter, exit and closest approach; what cannot be decided is marked | sparse scenes 1.0 to 1.4, dense ones to 1.9, clusters that turn 1.7 to 2.5; near clusters with model errors, whose pairs of spheres within twice the error are all solved, 7 to 50 |
 ///
 /// Both are about the splines through the numbers given. Where bodies have [model
 /// errors](crate::Body::with_model_error), `Certified` is about the world: see [`Certificate`].
@@ -44,7 +44,7 @@
 /// | turning spheres | between cuts, the way of a centre is a cubic, with an error of at most the [orientation's](crate::Orientation) tolerance; where the rotation is unknown (beyond the range of f64's angles; beyond knots at more than 1e6 rad/s) the centre is anywhere within its distance | `Exact` adds the error to the radius, `Certified` to the error of the relative cubic; boxes contain every rotation |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |
 /// | model errors | known bounds of the distance of splines and world | boxes and bounding spheres contain them; `Exact` adds them to the margin, rounded up; `Certified` is certain inside margin - e and outside margin + e alone |
-/// | threshold | radii and margin are summed exactly | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
+/// | threshold | radii and margin are summed to within one rounding | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside (`src/enclosure`); undecided parts are reported, and join their neighbours, as unresolved |
 /// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -98,7 +98,7 @@
 //!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.
 //! 5. Coefficients take 14 of the tolerance's 16 roundings, thresholds two: none to spare in the worst
 //!    case, and most of the 14 in all others.
-//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 8, 4 and 4: the
+//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 2^-40 of itself, 4 and one unit: the
 //!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far
 //!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
 //! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a

@@ -7,7 +7,8 @@
 
 mod support;
 
-use nearmiss::{Error, Query};
+use glam::DVec3;
+use nearmiss::{Body, Error, Query, Scene, State, Trajectory};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
 use support::{bits, on_threads, scene_of, swarm};
@@ -53,4 +54,37 @@ fn a_screening_can_be_ended() {
         })
         .into();
     assert!(few < all, "{few} {all}");
+}
+
+/// Two bodies that are near for thousands of cubics are one pair: progress is asked within it, too.
+#[test]
+fn a_screening_ends_within_a_pair() {
+    let along = |y: f64| {
+        let state = |number: u32| {
+            let aside = y + 0.3 * f64::from(number * 7 % 5);
+            State::new(f64::from(number), aside * DVec3::Y, DVec3::X)
+        };
+        Trajectory::from_states(&(0..4_000).map(state).collect::<Vec<_>>()).unwrap()
+    };
+    let mut scene = Scene::new();
+    for y in [0.0, 1.0] {
+        scene.insert(Body::new(along(y))).unwrap();
+    }
+    let query = Query::default().with_margin(1.1);
+    let calls_until = |most: u32| {
+        let calls = AtomicU32::new(0);
+        let done = scene.screen_with_progress(&query, |share| {
+            let solved = u32::from(share >= 0.9);
+            if calls.fetch_add(solved, Ordering::Relaxed) + solved >= most {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        (done.is_ok(), calls.into_inner())
+    };
+    let (is_done, all) = calls_until(u32::MAX);
+    assert!(is_done && all > 10, "{all}");
+    // The last call is made in any case.
+    assert_eq!(calls_until(4), (false, 5));
 }

@@ -175,8 +175,8 @@ pub(crate) fn widened(margin: f64, model_error: f64) -> f64 {
     }
 }
 
-/// Returns the centre distance (m) at which two spheres have the separation `margin`: the exact sum
-/// of the three numbers, rounded once. If negative, no distance is small enough.
+/// Returns the centre distance (m) at which two spheres have the separation `margin`: within one unit
+/// in the last place of the exact sum of the three numbers. If negative, no distance is small enough.
 pub(crate) fn contact_radius(a: f64, b: f64, margin: f64) -> f64 {
     let (radii, lost_radii) = two_sum(a, b);
     let (sum, lost_sum) = two_sum(radii, margin);

@@ -47,7 +47,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::SceneFull`].
+    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::InBody`] with [`Error::TurningHalfSpace`];
+    /// [`Error::SceneFull`].
     pub fn conflicts_with(&self, body: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {
         self.conflicts_of_one((self.next_id()?, body), query)
     }
@@ -83,7 +84,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::UnknownBody`].
+    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::InBody`] with [`Error::TurningHalfSpace`];
+    /// [`Error::UnknownBody`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,

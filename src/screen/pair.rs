@@ -38,7 +38,8 @@ use crate::window::Window;
 ///
 /// # Errors
 ///
-/// [`Error::WindowNotClosed`] and [`Error::InBody`] as for [`Scene::screen`](crate::Scene::screen).
+/// [`Error::WindowNotClosed`] and [`Error::InBody`] as for [`Scene::screen`](crate::Scene::screen), or with
+/// [`Error::TurningHalfSpace`].
 #[doc(alias = "tca")]
 #[doc(alias = "cpa")]
 #[doc(alias = "miss distance")]
@@ -81,7 +82,7 @@ pub fn certified_closest_approach(
 /// # Errors
 ///
 /// [`Error::Margin`], [`Error::NoPlan`], [`Error::WindowNotClosed`] and [`Error::InBody`] as for
-/// [`Scene::screen`](crate::Scene::screen).
+/// [`Scene::screen`](crate::Scene::screen), or with [`Error::TurningHalfSpace`].
 #[doc(alias = "contacts")]
 #[doc(alias = "time of impact")]
 pub fn conflicts(a: &Body, b: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {

@@ -12,6 +12,7 @@ use crate::narrow_phase::{
 use crate::parallel;
 use crate::search::Bodies;
 use crate::spans::{Span, SpanKey, common_window};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Buffers that are reused from pair to pair.
@@ -87,6 +88,9 @@ pub(super) const SHARE_OF_SLICES: f64 = 0.9;
 /// Pairs of bodies that one thread solves at a time.
 const CHUNK: usize = 64;
 
+/// Spans that one thread solves before it tells its progress: clusters may take many microseconds for each.
+const SPANS_PER_CHECK: u32 = 256;
+
 /// The survivors of one pair of bodies.
 type OfPair<'s> = &'s [SpanKey];
 
@@ -111,14 +115,26 @@ impl PreparedScene<'_> {
             }
             let (conflicts, scratch): &mut (Vec<Conflict>, SolveScratch) = share;
             let chunk = chunks[chunk];
+            let tell = |done: usize| {
+                let share = as_f64(done) / as_f64(chunks.len());
+                progress(SHARE_OF_SLICES + (1.0 - SHARE_OF_SLICES) * share);
+            };
+            let spans = Cell::new(0_u32);
+            let goes_on = || {
+                spans.set(spans.get() + 1);
+                if !spans.get().is_multiple_of(SPANS_PER_CHECK) {
+                    return true;
+                }
+                tell(done_chunks.load(Ordering::Relaxed));
+                !filter.gives_up()
+            };
             for (number, survivors) in chunk.iter().enumerate() {
                 fetch(bodies, chunk, number);
-                self.solve_pair(bodies, survivors, scratch, conflicts);
+                self.solve_pair(bodies, survivors, &goes_on, (scratch, conflicts));
             }
             let done = done_chunks.fetch_add(1, Ordering::Relaxed) + 1;
             if done < chunks.len() {
-                let share = as_f64(done) / as_f64(chunks.len());
-                progress(SHARE_OF_SLICES + (1.0 - SHARE_OF_SLICES) * share);
+                tell(done);
             }
         });
         let mut conflicts = Vec::new();
@@ -133,13 +149,14 @@ impl PreparedScene<'_> {
         conflicts
     }
 
-    /// Appends the conflicts of two bodies in their survivors to a list, in time order.
+    /// Appends the conflicts of two bodies in their survivors to a list, in time order; or some of them if `goes_on` returns
+    /// false, which is asked before each.
     fn solve_pair(
         &self,
         bodies: &impl Bodies,
         survivors: OfPair<'_>,
-        scratch: &mut SolveScratch,
-        conflicts: &mut Vec<Conflict>,
+        goes_on: &impl Fn() -> bool,
+        (scratch, conflicts): (&mut SolveScratch, &mut Vec<Conflict>),
     ) {
         let (a, b) = (survivors[0].a, survivors[0].b);
         // One by one: they are large, and the map of an array moves them.
@@ -150,7 +167,7 @@ impl PreparedScene<'_> {
         });
         let (views, asked) = ((&view_a, &view_b), (self.margin, self.accuracy));
         if let Some(question) = PairQuestion::of(names, views, asked, self.window.ends()) {
-            let spans = survivors.iter();
+            let spans = survivors.iter().take_while(|_| goes_on());
             let spans = spans.map(|survivor| survivor.span(&view_a.knots, &view_b.knots));
             question.push_conflicts(spans, scratch, conflicts);
         }
