@@ -5,7 +5,7 @@ use super::{nearest, nearest_vector};
 use crate::rounding::scale_to_one;
 use crate::shape::BodyShape;
 use glam::{DVec3, Vec4};
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 
 /// Origin and unit (a power of two) of f32 coordinates.
 ///
@@ -155,10 +155,14 @@ impl Frame {
         if !world.is_finite() {
             return Self::OF_NOTHING;
         }
-        let (origin, _) = middle(world, most, padding);
+        /// Half extents that f32 serves in metres (m): with room beyond, up to [`FAR`](super::FAR).
+        const USUAL: Range<f64> = 1e-10..1e30;
+        let (origin, half_of_most) = middle(world, most, padding);
         let half = (world.high - origin).max(origin - world.low);
         let half = half.max_element() + padding;
-        let power = if half <= 0.0 || (1e-10..1e30).contains(&half) {
+        // A few outliers that f32 does not serve then have boxes that meet all others.
+        let is_served = half <= 0.0 || USUAL.contains(&half);
+        let power = if is_served || half >= USUAL.end && USUAL.contains(&half_of_most) {
             1.0
         } else {
             scale_to_one(half)
