@@ -256,9 +256,11 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let (from, to) = (interval.0.max(first), interval.1.min(last));
         let middle = 0.5 * from + 0.5 * to;
         let mut halves = SliceBlock::default();
+        let begin = Instant::now();
         if from < middle && middle < to {
             self.form(&[from, middle, to], slice.each_body(), 1, &mut halves);
         }
+        stats.bounds_time += begin.elapsed();
         let whole = BoxSizes::of(&slice.boxes);
         let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));
         let both = sizes.fold(BoxSizes::default(), BoxSizes::and);
@@ -266,14 +268,10 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         if !has_fewer || !self.shows_fewer_pairs(&halves, slice, filter, scratch) {
             let mut candidates = Vec::new();
             let room = self.limits.candidates;
-            if self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
+            if self.list_timed(slice, room, filter, (&mut candidates, stats), scratch) {
                 let before = scratch.found.clone();
-                match self.refine(slice, (interval, &candidates), filter, scratch) {
-                    Ok(examined) => {
-                        stats.candidates += candidates.len() as u64;
-                        stats.spans += examined;
-                        return Ok(());
-                    }
+                match self.refine_timed(slice, (interval, &candidates), filter, stats, scratch) {
+                    Ok(()) => return Ok(()),
                     Err(exceeded) if !has_fewer => return Err(exceeded),
                     // Bodies may be near each other in fewer pairs within the halves.
                     Err(_) => scratch.found = before,
@@ -291,14 +289,45 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             stats.boxes += half.boxes.len() as u64;
             let mut candidates = Vec::new();
             let room = self.limits.candidates_of_slice(half.boxes.len());
-            if self.list_pairs(&mut scratch.methods, half, room, filter, &mut candidates) {
-                stats.candidates += candidates.len() as u64;
-                stats.spans += self.refine(half, (interval, &candidates), filter, scratch)?;
+            if self.list_timed(half, room, filter, (&mut candidates, stats), scratch) {
+                self.refine_timed(half, (interval, &candidates), filter, stats, scratch)?;
             } else {
                 drop(candidates);
                 self.divide((interval, half), filter, stats, scratch)?;
             }
         }
+        Ok(())
+    }
+
+    /// Does what [`list_pairs`](Self::list_pairs) does, and adds the time.
+    fn list_timed(
+        &self,
+        slice: &SliceBounds,
+        room: u64,
+        filter: &dyn PairFilter,
+        (candidates, stats): (&mut Vec<Candidate>, &mut Stats),
+        scratch: &mut SearchScratch,
+    ) -> bool {
+        let begin = Instant::now();
+        let has_room = self.list_pairs(&mut scratch.methods, slice, room, filter, candidates);
+        stats.broad_time += begin.elapsed();
+        has_room
+    }
+
+    /// Does what [`refine`](Self::refine) does with all candidates of a slice, and adds the counts and the time.
+    fn refine_timed(
+        &self,
+        slice: &SliceBounds,
+        (interval, candidates): ((f64, f64), &[Candidate]),
+        filter: &dyn PairFilter,
+        stats: &mut Stats,
+        scratch: &mut SearchScratch,
+    ) -> Result<(), LimitExceeded> {
+        let begin = Instant::now();
+        let examined = self.refine(slice, (interval, candidates), filter, scratch);
+        stats.narrow_time += begin.elapsed();
+        stats.spans += examined?;
+        stats.candidates += candidates.len() as u64;
         Ok(())
     }
 
