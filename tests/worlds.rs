@@ -341,6 +341,34 @@ fn debris_that_ignores_itself() {
     assert!(monitor.conflicts(0).unwrap().is_empty());
 }
 
+/// All are in one place in the middle of a long window, and nowhere near each other before and after.
+#[test]
+fn a_meeting_in_the_midst_of_a_long_window() {
+    let mut rng = rng(71);
+    let mut scene = Scene::new();
+    for _ in 0..1_000 {
+        let state = State::new(0.0, vector(&mut rng, 200.0), vector(&mut rng, 10.0));
+        scene
+            .insert(Body::new(Trajectory::coasting(state).unwrap()))
+            .unwrap();
+    }
+    let screen = |end: f64| {
+        let query = Query::new(Window::new(-end, end).unwrap()).with_margin(2.0);
+        scene.screen(&query).unwrap()
+    };
+    let expected = screen(1e4).conflicts;
+    assert!(expected.len() > 5, "{}", expected.len());
+    for end in [1e6, 1e7, 1e9] {
+        let screening = screen(end);
+        assert_eq!(bits(&screening.conflicts), bits(&expected), "{end}");
+        let stats = screening.stats;
+        assert!(
+            stats.spans < 2_000 && stats.boxes < 500_000,
+            "{end} {stats}"
+        );
+    }
+}
+
 /// Two spheres that overlap by kilometres, one of which hardly moves: f32 holds few digits of its
 /// squared velocity.
 #[test]
