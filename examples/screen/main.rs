@@ -7,9 +7,10 @@
 //! ```
 //!
 //! `STATES` has the columns `body,t,px,py,pz,vx,vy,vz` in any order, and possibly `radius` (SI units; a body's
-//! rows together and in the order of time); other columns are ignored, which standard error says. The separator is a
-//! comma, a semicolon or a tab. Bodies are whole numbers from 0 on, and `07` is 7; if one is not, all are names as they
-//! are written, in the order of their first appearance. `-` is standard input; gzip is unpacked.
+//! rows together and in the order of time); other columns are ignored, which standard error says. A row is one line, also
+//! where values are in quotation marks. The separator is a comma, a semicolon or a tab. Bodies are whole numbers from 0
+//! on, and `07` is 7; if one is not, all are names as they are written, in the order of their first appearance. `-` is
+//! standard input; gzip is unpacked.
 //!
 //! Writes a row for each maximal interval in which two bodies' separation is at most the margin, with the columns
 //! `a,b,enter,exit,tca,separation,error,clip,resolved`: the labels of the bodies, the earlier one first; the first and

@@ -45,6 +45,15 @@ impl Header {
                 "row {line}: the file is empty; expected the header {expected}"
             ));
         }
+        if is_utf_16(&found) {
+            return Err(format!(
+                "row {line}: the file is in UTF-16; save it in UTF-8"
+            ));
+        }
+        if let Some(place) = spanning(&found) {
+            let column = (place + 1).to_string();
+            return Err(open_quotation(line, &column, &found[place]));
+        }
         let whole = || shown(&found.iter().collect::<Vec<_>>().join(&b',')[..]);
         let mut places = [0; 8];
         let mut missing = Vec::new();
@@ -55,11 +64,6 @@ impl Header {
             }
         }
         match missing[..] {
-            _ if is_utf_16(&found) => {
-                return Err(format!(
-                    "row {line}: the file is in UTF-16; save it in UTF-8"
-                ));
-            }
             _ if has_lines(&found) => return Err(bare_return(line)),
             _ if is_for_a_spreadsheet(&found) => {
                 return Err(format!(
@@ -119,6 +123,7 @@ impl Header {
         self.radius.map(|place| row.get(place).unwrap_or_default())
     }
 
+            None if self.radius == Some(place) => RADIUS.to_owned(),
     /// Returns the name of the column at this place, or of the last one.
     pub(crate) fn column(&self, place: usize) -> String {
         let place = place.min(self.found.len() - 1);
@@ -146,6 +151,18 @@ fn find(found: &ByteRecord, column: &str, line: u64) -> Result<Option<usize>, St
     match places.next() {
         None => Ok(first),
         Some(_) => Err(format!(
+/// Returns the place of the first value that goes on in the next line: its quotation mark is closed there or never.
+pub(super) fn spanning(values: &ByteRecord) -> Option<usize> {
+    let spans = |value: &[u8]| value.contains(&b'\n');
+    values.iter().position(spans)
+}
+
+/// Returns the complaint about such a value.
+pub(super) fn open_quotation(line: u64, column: &str, value: &[u8]) -> String {
+    let shown = shown(value);
+    format!("row {line}, column {column}: {shown} spans rows: close its quotation mark")
+}
+
             "row {line}, column {column}: there are two of this name; keep one"
         )),
     }

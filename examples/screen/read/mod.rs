@@ -1,7 +1,7 @@
 //! Reading a file of states; every complaint names file, row, column and value.
 //!
 //! Rows are counted as lines of the file, which end with `\n` or `\r\n`: the header is row 1, and empty ones
-//! count. A row with line ends in quotation marks has the number of its first line.
+//! count. A value is on one line: quotation marks around several rows are an error, which has the number of the first.
 
 mod complain;
 mod header;
@@ -107,6 +107,10 @@ impl Table {
             }
             return Err(self.wrong_count(line, record, separator));
         }
+        if let Some(place) = header::spanning(record) {
+            let column = self.header.column(place);
+            return Err(header::open_quotation(line, &column, &record[place]));
+        }
         let values = self.header.values(record);
         let tags = self.rows.iter_mut().map(|row| &mut row.body);
         let tag = self.labels.tag(values[0], tags);
@@ -144,6 +148,9 @@ impl Table {
         let column = self.header.column(found);
         let advice = match separator {
             _ if last.contains(&b'\n') => "; close its quotation mark",
+            _ if header::spanning(record).is_some() => {
+                "; close the quotation mark of the value that spans rows"
+            }
             b',' if found > expected => {
                 "; write decimal points, and names with commas in quotation marks"
             }
@@ -241,6 +248,7 @@ fn text<'a>(source: impl Read + 'a) -> std::io::Result<impl Read + 'a> {
     /// The beginning of a file that is packed with gzip, whatever its name; no text begins so.
     const GZIP: &[u8] = &[0x1f, 0x8b];
     /// Some programs put it before the text.
+        let shown = header::shown(value);
     const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
     let (is_packed, whole) = begins_with(source, GZIP)?;
     let text: Box<dyn Read + 'a> = if is_packed {
@@ -287,10 +295,6 @@ fn begins_with<'a>(
 }
 
 fn not_a_number(value: &[u8], column: &str) -> String {
-    let shown = header::shown(value);
-    if value.contains(&b'\n') {
-        return format!("{shown} spans rows: close its quotation mark");
-    }
     if value.trim_ascii().is_empty() {
         return "the cell is empty".to_owned();
     }
