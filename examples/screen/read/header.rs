@@ -71,11 +71,6 @@ impl Header {
                 ));
             }
             [] => {}
-            _ if found.get(0).unwrap_or_default().starts_with(b"PK\x03\x04") => {
-                return Err(format!(
-                    "row {line}: the file is packed (a zip, or a spreadsheet); save it as CSV in UTF-8"
-                ));
-            }
             [_, ..]
                 if found.len() == 1
                     && found[0].split(|&byte| byte == b' ').count() >= COLUMNS.len() =>
@@ -123,12 +118,12 @@ impl Header {
         self.radius.map(|place| row.get(place).unwrap_or_default())
     }
 
-            None if self.radius == Some(place) => RADIUS.to_owned(),
     /// Returns the name of the column at this place, or of the last one.
     pub(crate) fn column(&self, place: usize) -> String {
         let place = place.min(self.found.len() - 1);
         match self.places.iter().position(|&known| known == place) {
             Some(index) => COLUMNS[index].to_owned(),
+            None if self.radius == Some(place) => RADIUS.to_owned(),
             None => shown(&self.found[place]),
         }
     }
@@ -151,6 +146,11 @@ fn find(found: &ByteRecord, column: &str, line: u64) -> Result<Option<usize>, St
     match places.next() {
         None => Ok(first),
         Some(_) => Err(format!(
+            "row {line}, column {column}: there are two of this name; keep one"
+        )),
+    }
+}
+
 /// Returns the place of the first value that goes on in the next line: its quotation mark is closed there or never.
 pub(super) fn spanning(values: &ByteRecord) -> Option<usize> {
     let spans = |value: &[u8]| value.contains(&b'\n');
@@ -161,11 +161,6 @@ pub(super) fn spanning(values: &ByteRecord) -> Option<usize> {
 pub(super) fn open_quotation(line: u64, column: &str, value: &[u8]) -> String {
     let shown = shown(value);
     format!("row {line}, column {column}: {shown} spans rows: close its quotation mark")
-}
-
-            "row {line}, column {column}: there are two of this name; keep one"
-        )),
-    }
 }
 
 /// Returns the values that have a carriage return inside: the end of a line, without the line feed that ends a row.

@@ -6,17 +6,17 @@
 mod complain;
 mod header;
 mod labels;
+mod packing;
 
 pub(crate) use labels::Labels;
 
 use crate::terminal::{self, quoted};
 use csv::ByteRecord;
-use flate2::bufread::MultiGzDecoder;
 use glam::DVec3;
 use header::{COLUMNS, Header};
 use nearmiss::{MAX_MAGNITUDE, State, Trajectory};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -69,7 +69,7 @@ impl Table {
     fn read(source: impl Read) -> Result<Self, String> {
         /// A header is not longer.
         const START: u64 = 1 << 16;
-        let mut source = text(source).map_err(|error| error.to_string())?;
+        let mut source = packing::text(source).map_err(|error| error.to_string())?;
         let mut start = Vec::new();
         let read = source.by_ref().take(START).read_to_end(&mut start);
         read.map_err(|error| error.to_string())?;
@@ -243,62 +243,12 @@ fn next_row(
     }
 }
 
-/// The text of a file: unpacked, without a byte order mark, and with a line end after each line.
-fn text<'a>(source: impl Read + 'a) -> std::io::Result<impl Read + 'a> {
-    /// The beginning of a file that is packed with gzip, whatever its name; no text begins so.
-    const GZIP: &[u8] = &[0x1f, 0x8b];
-    /// Some programs put it before the text.
-        let shown = header::shown(value);
-    const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
-    let (is_packed, whole) = begins_with(source, GZIP)?;
-    let text: Box<dyn Read + 'a> = if is_packed {
-        let packed = BufReader::new(GZIP.chain(whole));
-        Box::new(Unpacked(MultiGzDecoder::new(packed)))
-    } else {
-        Box::new(whole)
-    };
-    let (_, rest) = begins_with(text, BYTE_ORDER_MARK)?;
-    Ok(rest.chain(&b"\n"[..]))
-}
-
-/// The output of a decoder; its errors say that it is one.
-struct Unpacked<R>(MultiGzDecoder<R>);
-
-impl<R: BufRead> Read for Unpacked<R> {
-    fn read(&mut self, target: &mut [u8]) -> std::io::Result<usize> {
-        self.0.read(target).map_err(|error| match error.kind() {
-            ErrorKind::Interrupted => error,
-            kind => {
-                let problem =
-                    format!("the gzip data are broken or cut off ({error}); pack the file again");
-                std::io::Error::new(kind, problem)
-            }
-        })
-    }
-}
-
-/// Returns true if a source begins with some bytes, and the rest of it after them; all of it if it does not.
-fn begins_with<'a>(
-    mut source: impl Read + 'a,
-    bytes: &[u8],
-) -> std::io::Result<(bool, impl Read + 'a)> {
-    let mut start = Vec::new();
-    source
-        .by_ref()
-        .take(bytes.len() as u64)
-        .read_to_end(&mut start)?;
-    let begins = start == bytes;
-    if begins {
-        start.clear();
-    }
-    Ok((begins, Cursor::new(start).chain(source)))
-}
-
 fn not_a_number(value: &[u8], column: &str) -> String {
     if value.trim_ascii().is_empty() {
         return "the cell is empty".to_owned();
     }
     decimal_comma(value).unwrap_or_else(|| {
+        let shown = header::shown(value);
         let advice = if column == "t" {
             ": write seconds, counted from an epoch near your data"
         } else {

@@ -426,3 +426,41 @@ fn packed_or_not_and_standard_input() {
         }
     }
 }
+
+/// What is packed otherwise is told by its first bytes, whatever its name.
+#[test]
+fn other_packings_are_named() {
+    let gzip = |content: &[u8]| {
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        packer.write_all(content).unwrap();
+        packer.finish().unwrap()
+    };
+    let states = format!("{HEADER}{PASS}");
+    let twice = gzip(&gzip(states.as_bytes()));
+    for (content, name) in [
+        (&b"\xfd7zXZ\0\0\x04\xe6\xd6\xb4F"[..], "xz"),
+        (b"BZh91AY&SY\x8a\x12\n\"", "bzip2"),
+        (b"BZh9\x17rE8P\x90\0\0\0\0", "bzip2"),
+        (b"\x28\xb5\x2f\xfd\x04\x58\xc1\x02", "zstd"),
+        (b"\x04\x22\x4d\x18\x64\x40\xa7", "lz4"),
+        (b"7z\xbc\xaf\x27\x1c\0\x04", "7z"),
+        (&twice, "gzip more than once"),
+    ] {
+        let said = format!(
+            "states.csv: row 1: the file is packed with {name}; unpack it, or pack it with gzip once\n"
+        );
+        refuses("packing", content, &[], &[&said]);
+    }
+    refuses(
+        "packing",
+        gzip(b"PK\x03\x04"),
+        &[],
+        &["row 1: the file is packed (a zip"],
+    );
+    // A column of another's file.
+    let named = format!("{HEADER}{PASS}")
+        .replace("body", "BZh9,body")
+        .replace('\n', "\n,");
+    let (result, _) = screen("packing", named.strip_suffix(',').unwrap(), &[]);
+    assert!(result.status.success(), "{}", plain(&result.stderr));
+}
