@@ -1,7 +1,7 @@
 //! The names of bodies: whole numbers, or any text.
 
 use crate::terminal::quoted;
-use nearmiss::Error;
+use nearmiss::{Crowd, Error};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -124,12 +124,34 @@ impl Labels {
         }
     }
 
-    /// Returns an error of the library with the name of its body.
+    /// Returns an error of the library with the name of its body, in terms of the options of `screen`.
     pub(crate) fn explain(&self, error: &Error) -> String {
         match error {
-            Error::InBody { body, error, .. } => format!("body {}: {error}", self.told(*body)),
+            Error::InBody { body, error, .. } => {
+                let name = self.told(*body);
+                match **error {
+                    Error::TooFar { .. } => format!(
+                        "body {name}: --window reaches too far beyond its rows: check the window, and rows that are \
+                         almost at one time"
+                    ),
+                    ref error => format!("body {name}: {error}"),
+                }
+            }
+            Error::TooCrowded { crowd, .. } => format!(
+                "too many pairs may be in conflict{}: narrow --window, or give a smaller --margin or --radius",
+                crowd.map_or(String::new(), |crowd| self.told_crowd(&crowd))
+            ),
             error => error.to_string(),
         }
+    }
+
+    fn told_crowd(&self, crowd: &Crowd) -> String {
+        let (name, others) = (self.told(crowd.tag), crowd.others);
+        let plural = if others == 1 { "" } else { "s" };
+        format!(
+            "; body {name} comes near {others} other{plural}, to most at {:?} s",
+            crowd.time
+        )
     }
 }
 

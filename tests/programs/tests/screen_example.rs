@@ -464,3 +464,17 @@ fn other_packings_are_named() {
     let (result, _) = screen("packing", named.strip_suffix(',').unwrap(), &[]);
     assert!(result.status.success(), "{}", plain(&result.stderr));
 }
+
+/// The body is named as the file names it, and the advice is what the tool has.
+#[test]
+fn a_crowd_is_explained() {
+    let mut states = format!("{HEADER}far,0,1e6,0,0,0,0,0\nfar,1,1e6,0,0,0,0,0\n");
+    for ship in 0..8_000 {
+        states += &format!("ship-{ship},0,0,0,0,0,0,0\nship-{ship},1,0,0,0,0,0,0\n");
+    }
+    let parts = [
+        "too many pairs may be in conflict; body \"ship-",
+        "\" comes near 7999 others, to most at 0.0 s: narrow --window, or give a smaller --margin or --radius\n",
+    ];
+    refuses("crowd", states, &["--radius", "1"], &parts);
+}
