@@ -281,6 +281,12 @@ fn parse_window(text: &str) -> Result<Window, String> {
                 .parse::<f64>()
                 .ok()
                 .filter(|value| value.is_finite())
+    if text.contains("...") {
+        return Err(
+            "a dot too many: write A..B, and a fraction with a digit before its point, like 0.5"
+                .to_owned(),
+        );
+    }
                 .ok_or_else(|| {
                     let value = terminal::quoted(number.as_bytes());
                     format!("{value} is not a time in seconds; write it like 2.5 or 1e3")

@@ -148,6 +148,11 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
     ("screen", &["none.csv", "--window", "now..9"], 2,
      "error: invalid value 'now..9' for '--window <WINDOW>': \"now\" is not a time in seconds; write it like 2.5 or \
       1e3"),
+    ("screen", &["none.csv", "--window", "0...5"], 2,
+     "error: invalid value '0...5' for '--window <WINDOW>': a dot too many: write A..B, and a fraction with a digit \
+      before its point, like 0.5"),
+    ("screen", &["radii.csv", "--outside", "coast", "--window=-1e110..0"], 1,
+     "error: body 0: --window reaches too far beyond its rows: check the window, and rows that are almost at one time"),
     ("screen", &["none.csv", "--outside", "coast"], 2,
      "error: --outside coast needs a window that is closed on both sides: --window=A..B"),
     ("screen", &["none.csv", "--accuracy", "fast"], 2,
