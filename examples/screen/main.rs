@@ -13,13 +13,13 @@
 //! standard input; gzip is unpacked.
 //!
 //! Writes a row for each maximal interval in which two bodies' separation is at most the margin, with the columns
-//! `a,b,enter,exit,tca,separation,error,clip,resolved`: the labels of the bodies, the earlier one first; the first and
-//! the last instant, and the time of closest approach (s); the separation then (m); `clip` is 1 if the conflict is cut off
-//! at `enter`, by the window or since a body begins, 2 at `exit`, 3 at both, else 0. `error` and `resolved` are empty unless
-//! `certified`: half the width of the proven enclosure of the separation (m); and 1, or 0 where f64 cannot tell whether the
-//! bodies come within the margin, or whether a gap divides the conflict. `certified` adds six columns that enclose enter,
-//! exit and tca. All of this is about the spline through the states; how far the bodies in the world are from it is not part
-//! of it.
+//! `a,b,enter,exit,tca,separation,error,clip,resolved`: the labels of the bodies, of numbers the smaller one first, of
+//! names the one that comes first in the file; the first and the last instant, and the time of closest approach (s); the
+//! separation then (m); `clip` is 1 if the conflict is cut off at `enter`, by the window or since a body begins, 2 at
+//! `exit`, 3 at both, else 0. `error` and `resolved` are empty unless `certified`: half the width of the proven enclosure of
+//! the separation (m); and 1, or 0 where f64 cannot tell whether the bodies come within the margin, or whether a gap divides
+//! the conflict. `certified` adds six columns that enclose enter, exit and tca. All of this is about the spline through the
+//! states; how far the bodies in the world are from it is not part of it.
 //!
 //! Bad input ends with exit code 1 and one line that says what and where, without output; a wrong command line with
 //! exit code 2.
@@ -45,7 +45,7 @@ use write::Table;
 /// Columns of the output, for the help.
 const COLUMNS: &str = "\
 Output: a row for each conflict, with the columns
-  a, b        the bodies' labels, the earlier one in the file first
+  a, b        the bodies' labels: of numbers the smaller one first, of names the one that comes first in the file
   enter, exit the first and the last instant, s
   tca         the time of closest approach, s
   separation  the separation then, m
