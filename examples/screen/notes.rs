@@ -1,5 +1,6 @@
 //! Notes on input that is accepted, and probably not meant.
 
+use crate::terminal::shortest;
 use nearmiss::{Hitbox, Query, Scene, Screening, Window};
 
 /// Factor between the distance that bodies go and what their velocities say from which on units probably differ.
@@ -26,16 +27,22 @@ pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<Str
     } else if is_of_half_spaces(scene) {
         notes.push("all bodies are half-spaces, which do not meet each other".to_owned());
     } else if screening.conflicts.is_empty() {
+        let margin_shown = shortest(margin);
+        let within = if window == Window::ALL {
+            String::new()
+        } else {
+            format!(" in the window {window}")
+        };
         notes.push(if margin > 0.0 {
-            format!("no two bodies come within {margin} m of each other")
+            format!("no two bodies come within {margin_shown} m of each other{within}")
         } else if is_of_points(scene) {
             format!(
-                "nothing is found, since the bodies are points and the margin is {margin} m: give --radius or a larger \
-                 --margin"
+                "nothing is found{within}, since the bodies are points and the margin is {margin_shown} m: give \
+                 --radius or a larger --margin"
             )
         } else {
             format!(
-                "no two bodies come within {margin} m of each other: a larger --margin finds near misses"
+                "no two bodies come within {margin_shown} m of each other{within}: a larger --margin finds near misses"
             )
         });
     }
