@@ -37,7 +37,7 @@ use nearmiss::{Accuracy, Body, Hitbox, Orientation, Outside, Query, Scene, Windo
 use read::{Bodies, FileBody, Labels};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use terminal::{Product, Progress, Threads};
 use write::Table;
@@ -95,7 +95,7 @@ struct Arguments {
     accuracy: Accuracy,
     #[command(flatten)]
     threads: Threads,
-    /// File for the conflicts; standard output if not given. A file is replaced when all is
+    /// File for the conflicts; standard output if not given, or -. A file is replaced when all is
     /// written.
     #[arg(long)]
     output: Option<PathBuf>,
@@ -121,6 +121,12 @@ enum StatsFormat {
 }
 
 impl Arguments {
+    /// Returns the file for the conflicts, none if they go to standard output.
+    fn output_file(&self) -> Option<&Path> {
+        let output = self.output.as_deref();
+        output.filter(|output| *output != Path::new("-"))
+    }
+
     /// Checks options that are right one by one, but not together.
     fn check(&self) -> Result<(), String> {
         let rule = self.outside.to_possible_value();
@@ -132,14 +138,18 @@ impl Arguments {
                 rule.get_name()
             ));
         }
-        let Some(output) = &self.output else {
+        let Some(output) = self.output_file() else {
             return Ok(());
         };
-        for (read, of) in [
-            (Some(&self.states), "states"),
-            (self.hitboxes.as_ref(), "hitboxes"),
+        let hitboxes = self.hitboxes.as_ref();
+        for (is_read, of) in [
+            (terminal::is_source(&self.states, output), "states"),
+            (
+                hitboxes.is_some_and(|read| terminal::is_same_file(read, output)),
+                "hitboxes",
+            ),
         ] {
-            if read.is_some_and(|read| terminal::is_same_file(read, output)) {
+            if is_read {
                 return Err(format!(
                     "--output {} is the file of {of} itself",
                     terminal::name(output)
@@ -160,7 +170,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), String> {
     let accuracy = arguments.accuracy;
-    let output = arguments.output.as_deref().map(Product::at).transpose()?;
+    let output = arguments.output_file().map(Product::at).transpose()?;
     let pool = arguments.threads.pool()?;
     let progress = Progress::new();
     progress.say("reading");
@@ -271,6 +281,12 @@ fn parse_accuracy(text: &str) -> Result<Accuracy, String> {
 }
 
 fn parse_window(text: &str) -> Result<Window, String> {
+    if text.contains("...") {
+        return Err(
+            "a dot too many: write A..B, and a fraction with a digit before its point, like 0.5"
+                .to_owned(),
+        );
+    }
     let (start, end) = text
         .split_once("..")
         .ok_or("expected A..B, A.. or ..B (seconds)")?;
@@ -281,12 +297,6 @@ fn parse_window(text: &str) -> Result<Window, String> {
                 .parse::<f64>()
                 .ok()
                 .filter(|value| value.is_finite())
-    if text.contains("...") {
-        return Err(
-            "a dot too many: write A..B, and a fraction with a digit before its point, like 0.5"
-                .to_owned(),
-        );
-    }
                 .ok_or_else(|| {
                     let value = terminal::quoted(number.as_bytes());
                     format!("{value} is not a time in seconds; write it like 2.5 or 1e3")

@@ -15,6 +15,6 @@ mod speech;
 pub(crate) use escape::{name, quoted};
 pub(crate) use number::shortest;
 pub(crate) use options::{Threads, bodies, margin, number, parse, refuse, whole, within};
-pub(crate) use product::{Product, is_same_file};
+pub(crate) use product::{Product, is_same_file, is_source};
 pub(crate) use progress::Progress;
 pub(crate) use speech::{StandardOutput, complain, exit_code, tell_unused};

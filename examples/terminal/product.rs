@@ -70,6 +70,32 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((place(one), place(other)), (Some(one), Some(other)) if one == other)
 }
 
+/// Returns true if what is read from a path, where `-` is standard input, comes from this file. Not every system tells
+/// where standard input comes from.
+pub(crate) fn is_source(path: &Path, file: &Path) -> bool {
+    if path == Path::new("-") {
+        is_standard_input(file)
+    } else {
+        is_same_file(path, file)
+    }
+}
+
+#[cfg(unix)]
+fn is_standard_input(path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |path: &Path| {
+        let found = path.metadata().ok().filter(std::fs::Metadata::is_file)?;
+        Some((found.dev(), found.ino()))
+    };
+    let read = identity(Path::new("/dev/stdin"));
+    read.is_some() && read == identity(path)
+}
+
+#[cfg(not(unix))]
+fn is_standard_input(_: &Path) -> bool {
+    false
+}
+
 /// Returns the place of a file, whatever it is called; of none that is there, the place where it would be.
 fn place(path: &Path) -> Option<PathBuf> {
     match path.metadata() {

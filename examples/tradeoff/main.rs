@@ -145,7 +145,7 @@ impl Arguments {
         let pictures = self.pictures().into_iter();
         let pictures = pictures.map(|(_, file)| ("--pictures:", file));
         let mut written = json.chain(pictures);
-        match written.find(|(_, file)| terminal::is_same_file(states, file)) {
+        match written.find(|(_, file)| terminal::is_source(states, file)) {
             Some((option, file)) => Err(format!(
                 "{option} {} is the file of states itself",
                 terminal::name(&file)

@@ -147,6 +147,49 @@ fn the_states_are_not_overwritten() {
     }
 }
 
+/// `-` is the standard input that comes from the file.
+#[test]
+fn the_file_of_standard_input_is_not_overwritten() {
+    let folder = folder("same-input");
+    let states = crowd(&folder);
+    let before = std::fs::read_to_string(&states).unwrap();
+    symlink("states.csv", folder.join("link.csv")).unwrap();
+    std::fs::write(folder.join("other.csv"), OLD).unwrap();
+    for (output, code) in [
+        ("states.csv", 2),
+        ("link.csv", 2),
+        ("other.csv", 0),
+        ("new.csv", 0),
+    ] {
+        let output = folder.join(output);
+        let mut screen = screen(Path::new("-"), &output);
+        let result = screen.stdin(File::open(&states).unwrap()).output().unwrap();
+        assert_eq!(result.status.code(), Some(code), "{}", said(&result));
+        if code == 0 {
+            assert_eq!(rows(&output), 1 + 100 * 99 / 2);
+        } else {
+            assert!(said(&result).contains("the file of states itself"));
+        }
+        assert_eq!(std::fs::read_to_string(&states).unwrap(), before);
+    }
+}
+
+/// Also beside states from standard input; no file of that name is made.
+#[test]
+fn a_hyphen_is_standard_output() {
+    let folder = folder("hyphen");
+    let states = crowd(&folder);
+    for source in [&states, Path::new("-")] {
+        let mut screen = screen(source, Path::new("-"));
+        let screen = screen.stdin(File::open(&states).unwrap());
+        let result = screen.current_dir(&folder).output().unwrap();
+        assert!(result.status.success(), "{}", said(&result));
+        let lines = result.stdout.split(|&byte| byte == b'\n').count() - 1;
+        assert_eq!(lines, 1 + 100 * 99 / 2);
+        assert_eq!(names(&folder), ["states.csv"]);
+    }
+}
+
 #[test]
 fn what_cannot_be_written_is_told_before_the_states_are_read() {
     let folder = folder("nowhere");

@@ -100,6 +100,28 @@ fn radii() {
     }
 }
 
+/// Standard input may come from the file that is to be written.
+#[cfg(unix)]
+#[test]
+fn the_file_of_standard_input_is_not_overwritten() {
+    let folder = folder("tradeoff-input");
+    let path = folder.join(FILE);
+    std::fs::write(&path, passing(10.0, None)).unwrap();
+    let mut command = example("tradeoff");
+    command.args([
+        "--quick", "--only", "stepped", "--states", "-", "--json", FILE,
+    ]);
+    let command = command.stdin(std::fs::File::open(&path).unwrap());
+    let done = command.current_dir(&folder).output().unwrap();
+    let said = plain(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("--json states.csv is the file of states itself"),
+        "{said}"
+    );
+    assert_eq!(read_to_string(path).unwrap(), passing(10.0, None));
+}
+
 /// The picture of a scene without encounters: all are found, and the scale begins near by.
 #[test]
 fn a_picture_without_encounters() {
