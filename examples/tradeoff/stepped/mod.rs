@@ -365,6 +365,10 @@ pub(crate) fn table(
             progress((4 * number + which + 1) as f64 / all as f64);
         }
     }
+    if truth.is_empty() {
+        // Nothing is missed where there is nothing to find.
+        complete.clear();
+    }
     add_notes(&mut table, complete, (rates, left_out));
     Ok(table)
 }

@@ -100,6 +100,17 @@ fn radii() {
     }
 }
 
+/// Nothing is missed where there is nothing to find: that says nothing of a rate.
+#[test]
+fn no_rate_is_told_without_encounters() {
+    let folder = folder("tradeoff-none");
+    for (radius, is_told) in [("0.5", false), ("2", true)] {
+        let done = stepped(&folder, &passing(10.0, None), &["--radius", radius]);
+        let said = plain(&done.stdout);
+        assert_eq!(said.contains("misses nothing from"), is_told, "{said}");
+    }
+}
+
 /// Standard input may come from the file that is to be written.
 #[cfg(unix)]
 #[test]
