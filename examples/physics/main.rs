@@ -37,6 +37,9 @@ use terminal::{Progress, StandardOutput, Threads};
 use watch::Watch;
 use world::World;
 
+/// Most balls, and most boxes: a million balls take 4.4 GB.
+const MAX_BODIES: usize = 1_000_000;
+
 type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Balls and boxes that bounce, and a monitor that predicts their contacts.
@@ -51,18 +54,18 @@ struct Arguments {
         allow_negative_numbers = true
     )]
     frames: u32,
-    /// Number of balls.
+    /// Number of balls, up to a million.
     #[arg(
         long,
-        value_parser = terminal::bodies(),
+        value_parser = terminal::whole(1..=MAX_BODIES),
         default_value = "2000",
         allow_negative_numbers = true
     )]
     bodies: usize,
-    /// Number of boxes beside the balls.
+    /// Number of boxes beside the balls, up to a million.
     #[arg(
         long,
-        value_parser = terminal::whole(0..=1_000_000_usize),
+        value_parser = terminal::whole(0..=MAX_BODIES),
         default_value = "200",
         allow_negative_numbers = true
     )]

@@ -174,6 +174,8 @@ const COMMANDS: &[(&str, &[&str], i32, &str)] = &[
      "error: invalid value '0' for '--spheres <SPHERES>': 0 is not in 1..=4096"),
     ("physics", &["--frames", "0"], 2,
      "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=1000000"),
+    ("physics", &["--bodies", "1000001"], 2,
+     "error: invalid value '1000001' for '--bodies <BODIES>': 1000001 is not in 1..=1000000"),
     ("many_body", &["--bodies", "0"], 2,
      "error: invalid value '0' for '--bodies <BODIES>': 0 is not in 1..=100000000"),
     ("many_body", &["--states", "none/states.csv"], 1,
