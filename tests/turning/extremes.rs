@@ -55,3 +55,30 @@ fn a_quaternion_cubic_may_jump_between_knots_one_rounding_apart() {
         }
     }
 }
+
+/// Three thousand million rad/s: a spin would be refused.
+#[test]
+fn rotations_between_knots_may_be_fast() {
+    let turned = DQuat::from_rotation_z(170_f64.to_radians());
+    let knots = [(0.0, DQuat::IDENTITY), (1e-9, turned)];
+    let ball = Sphere {
+        offset: 10.0 * DVec3::X,
+        radius: 0.1,
+    };
+    let half_way = DQuat::from_rotation_z(85_f64.to_radians()) * ball.offset;
+    let there = Body::new(Trajectory::at_rest(half_way).unwrap());
+    let window = Window::new(0.0, 1e-9).unwrap();
+    for orientation in [
+        Orientation::slerp(&knots),
+        Orientation::normalized_cubic(&knots),
+    ] {
+        let arm = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap())
+            .with_hitbox(Hitbox::cluster(vec![ball]).unwrap())
+            .with_orientation(orientation.unwrap().with_tolerance(1e-6).unwrap());
+        let nearest = pair::closest_approach(&arm, &there, window).unwrap();
+        let nearest = nearest.unwrap();
+        // Twice the tolerance at 10 m.
+        assert!((nearest.separation + 0.1).abs() < 2e-5, "{nearest:?}");
+        assert!((nearest.time - 0.5e-9).abs() < 1e-12, "{nearest:?}");
+    }
+}
