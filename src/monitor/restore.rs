@@ -58,10 +58,16 @@ impl Monitor {
         }
     }
 
-    /// Returns the monitor of which a snapshot was taken; give a clone of one to go back to again. Given the same inputs, it reports the same events
-    /// from then on, if its ticks have no [budget](Self::advance_within). Its next tick looks at all bodies, like
-    /// the first one of a new monitor: within a budget it may come less far. If many bodies changed in each tick, it takes
-    /// as long as these; else several times as long as a [screening](crate::Scene::screen) of the lookahead.
+    /// Returns the monitor of which a snapshot was taken; give a clone of one to go back to again.
+    ///
+    /// Given the same inputs, the new monitor reports the same events from then on, if its ticks have no
+    /// [budget](Self::advance_within).
+    /// Near [`max_spans`](Self::max_spans) one of the two may end with [`Error::TooCrowded`] where the other one does not,
+    /// since a snapshot holds no spans that were found before.
+    ///
+    /// Its next tick looks at all bodies, like the first one of a new monitor: within a budget it may come less far. If many
+    /// bodies changed in each tick, it takes as long as these; else several times as long as a
+    /// [screening](crate::Scene::screen) of the lookahead.
     ///
     /// Before that tick, it knows what the other one knew if another tick at the same time would have changed
     /// nothing then. Else it knows nothing yet: [`complete_until`](Self::complete_until) is the instant up to which
