@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
-#[allow(dead_code, reason = "each test needs a part")]
 mod support;
 
 use glam::DVec3;

@@ -87,7 +87,7 @@ fn a_body_at_rest_may_be_told_its_rotation() {
     ];
     let mut scene = Scene::new();
     let mut told = Vec::new();
-    for number in 0..40 {
+    for number in 0..40_u32 {
         let place = vector(&mut rng, 8.0);
         let turn = DQuat::from_rotation_y(f64::from(number));
         let rest = Body::new(Trajectory::at_rest(place).unwrap())
