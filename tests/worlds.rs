@@ -362,10 +362,7 @@ fn a_meeting_in_the_midst_of_a_long_window() {
         let screening = screen(end);
         assert_eq!(bits(&screening.conflicts), bits(&expected), "{end}");
         let stats = screening.stats;
-        assert!(
-            stats.spans < 2_000 && stats.boxes < 500_000,
-            "{end} {stats}"
-        );
+        assert!(stats.spans < 2_000, "{end} {stats}");
     }
 }
 
