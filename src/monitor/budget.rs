@@ -26,6 +26,7 @@ pub enum Budget {
     /// - A search that cannot be left to the next tick: where [many bodies](crate::Monitor#cost) change in each
     ///   tick, or the known time has long been behind the clock while bodies change. Then the tick searches as much of
     ///   the lookahead as earlier ticks had time for, and a 16th at least, whatever time that takes.
+    /// - The error [`TooCrowded`](crate::Error::TooCrowded), which asks 16 bodies what comes near them.
     ///
     /// A tick with a budget searches on one thread. Only dropping replaced plans, and reading what was found, may take a
     /// second one.
