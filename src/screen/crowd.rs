@@ -1,7 +1,7 @@
 //! The error of a search that found too much: it names a body from the crowd.
 //!
 //! Some bodies are asked which others come near, each in another part of its time if plans are long. Each body counts as
-//! its bounding sphere. So the answer takes no longer than the search, also for clusters.
+//! its bounding sphere. So the answer takes about as long for clusters as for balls, and for long plans as for short ones.
 
 use super::one::{extremes_in, extremes_of, is_apart};
 use super::pair::push_all_conflicts;
@@ -210,5 +210,28 @@ mod tests {
         );
         let alone = scene.too_crowded(7, Window::new(0.0, 12.0).unwrap(), 0.0);
         assert!(matches!(alone, Error::TooCrowded { crowd: None, .. }));
+    }
+
+    /// Each body is asked about another part of its time: which one does not matter where all stay together.
+    #[test]
+    fn a_crowd_with_long_plans_is_found() {
+        let mut scene = Scene::new();
+        for number in 0..20_u32 {
+            let state = |knot: u32| {
+                let place = DVec3::new(f64::from(number), f64::from(knot % 7), 0.0) * 0.1;
+                State::new(f64::from(knot), place, DVec3::ZERO)
+            };
+            let states: Vec<State> = (0..3_000).map(state).collect();
+            let body = Body::new(Trajectory::from_states(&states).unwrap());
+            scene.insert(body.with_tag(number.into())).unwrap();
+        }
+        for window in [Window::ALL, Window::new(7.5, 8.5).unwrap()] {
+            let Error::TooCrowded { crowd, .. } = scene.too_crowded(7, window, 5.0) else {
+                unreachable!("another error")
+            };
+            let crowd = crowd.unwrap();
+            assert_eq!(crowd.others, 19, "{crowd}");
+            assert!(window.contains(crowd.time) && (0.0..3_000.0).contains(&crowd.time));
+        }
     }
 }
