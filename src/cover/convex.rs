@@ -2,6 +2,8 @@
 
 use super::form::{Round, SolidForm};
 use super::hull::convex_hull;
+use super::mesh::nearest_on_triangle;
+use super::support::Support;
 use super::surface::{OrientedPlane, Surface, fan, is_closed};
 use crate::count::as_f64;
 use glam::DVec3;
@@ -11,19 +13,27 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Debug)]
 pub(super) struct Convex {
     form: SolidForm,
-    /// Half-spaces within which a hull's points are deep in the hull; of no other form.
-    faces: Vec<OrientedPlane>,
+    /// The faces of a hull; of no other form.
+    faces: Vec<Face>,
     /// A point inside, and its depth.
     inner: (DVec3, f64),
     /// No point of a hull is farther from what its polygons bound.
     pub(super) unevenness: f64,
 }
 
+/// A polygon of a hull, and the half-space behind it.
+#[derive(Clone, Debug)]
+struct Face {
+    plane: OrientedPlane,
+    /// Number of the polygon.
+    polygon: usize,
+}
+
 /// Polygons of a hull stay as they are up to this unevenness, in the unit of solids: f32 bends them by
 /// less.
 const EVEN: f64 = 5e-7;
 
-/// Returns the half-spaces behind the polygons of a hull, and the hull's unevenness.
+/// Returns the faces of a hull, and its unevenness.
 ///
 /// The plane of each polygon is moved inward until the polygon lies outside of it. The polygon is then in a
 /// layer of a thickness t, beyond which there is no point of the hull. Take a point of the hull that is not
@@ -31,12 +41,16 @@ const EVEN: f64 = 5e-7;
 /// at most, where d is the depth of the inner point below the layer.
 ///
 /// A hull without depth is all surface, and no point is farther from it than its layers are thick.
-fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<OrientedPlane>, f64) {
+fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<Face>, f64) {
     const NO_DEPTH: f64 = 1e-10;
     let farthest = points.iter().map(|point| point.distance(inner));
     let farthest = farthest.fold(0.0, f64::max);
-    let (mut planes, mut unevenness) = (Vec::new(), 0.0_f64);
-    for (plane, layer) in polygons.iter().filter_map(|polygon| face(points, polygon)) {
+    let support = Support::new(points);
+    let (mut faces, mut unevenness) = (Vec::new(), 0.0_f64);
+    for (number, polygon) in polygons.iter().enumerate() {
+        let Some((plane, layer)) = half_space(points, &support, polygon) else {
+            continue;
+        };
         let depth = (-plane.height(inner)).max(0.0);
         let beyond = if depth > NO_DEPTH {
             farthest * layer / (layer + depth)
@@ -44,9 +58,12 @@ fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<Orient
             layer
         };
         unevenness = unevenness.max(beyond);
-        planes.push(plane);
+        faces.push(Face {
+            plane,
+            polygon: number,
+        });
     }
-    (planes, unevenness)
+    (faces, unevenness)
 }
 
 impl Convex {
@@ -106,13 +123,13 @@ impl Convex {
         &self.form
     }
 
-    /// Returns a bound of the signed distance from below outside and from above inside, as
-    /// `minus depth`, with its gradient.
+    /// Returns a lower bound of the signed distance, with its gradient. Inside it is the signed distance to rounding.
     fn height(&self, at: DVec3) -> (f64, DVec3) {
         let higher = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 > a.0 { b } else { a };
         match &self.form {
             SolidForm::Hull { .. } | SolidForm::Mesh { .. } => {
-                let heights = self.faces.iter().map(|face| (face.height(at), face.normal));
+                let planes = self.faces.iter().map(|face| face.plane);
+                let heights = planes.map(|plane| (plane.height(at), plane.normal));
                 let from_inner = at - self.inner.0;
                 let flat = (from_inner.length(), from_inner.normalize_or_zero());
                 heights.reduce(higher).unwrap_or(flat)
@@ -125,7 +142,9 @@ impl Convex {
                 } = *round;
                 let side = (away - round.radii[1]) * outward + (along - half_height) * upward;
                 let ends = higher((-half_height - along, -axis), (along - half_height, axis));
-                higher((side, out * outward + axis * upward), ends)
+                let ends_and_side = higher((side, out * outward + axis * upward), ends);
+                // The side of a flat cone does not tell what is beside the cone.
+                higher(ends_and_side, (away - round.radii[0], out))
             }
             SolidForm::Capsule { ends, radius } => {
                 let away = at - nearest_on_segment(*ends, at);
@@ -134,17 +153,37 @@ impl Convex {
         }
     }
 
-    /// Returns an upper bound of the signed distance, and about its gradient. Inside it is the
-    /// signed distance to rounding.
+    /// Returns true if the signed distance is not positive.
+    pub(super) fn contains(&self, at: DVec3) -> bool {
+        self.height(at).0 <= 0.0
+    }
+
+    /// Returns the signed distance to rounding, and its gradient. Between the polygons of a hull and the half-spaces
+    /// behind them it is the distance from a polygon.
     pub(super) fn signed_distance(&self, at: DVec3) -> (f64, DVec3) {
         let (height, gradient) = self.height(at);
-        if height <= 0.0 || matches!(self.form, SolidForm::Capsule { .. }) {
+        if height <= 0.0 {
             return (height, gradient);
         }
-        // On the way to the inner point the height is convex: it has fallen to 0 by this share.
-        let share = height / (height + self.inner.1);
-        let reach = at.distance(self.inner.0) * share;
-        (reach, gradient * (reach / height))
+        let way = match &self.form {
+            SolidForm::Capsule { .. } | SolidForm::Mesh { .. } => return (height, gradient),
+            SolidForm::Round(round) => round.way_from(at),
+            SolidForm::Hull { points, polygons } => at - self.nearest_of_hull(points, polygons, at),
+        };
+        (way.length(), way.try_normalize().unwrap_or(gradient))
+    }
+
+    /// Returns the nearest point of a hull to a point outside: it is on a face that is seen from there.
+    fn nearest_of_hull(&self, points: &[DVec3], polygons: &[Vec<usize>], at: DVec3) -> DVec3 {
+        let seen = self.faces.iter().filter(|face| face.plane.height(at) > 0.0);
+        let triangles = seen.flat_map(|face| fan(&polygons[face.polygon]));
+        let nearest = triangles
+            .map(|corners| nearest_on_triangle(corners.map(|corner| points[corner]), at))
+            .map(|point| (point.distance_squared(at), point));
+        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 { b } else { a };
+        nearest
+            .reduce(nearer)
+            .map_or(self.inner.0, |(_, point)| point)
     }
 
     /// Returns a closed polyhedron that contains the form. For a round form it has `around` sides,
@@ -182,6 +221,27 @@ impl Round {
         }
     }
 
+    /// Returns the way from the nearest point of the surface.
+    fn way_from(&self, at: DVec3) -> DVec3 {
+        let (along, out, away) = self.split(at);
+        let place = DVec3::new(along, away, 0.0);
+        let [lower, upper] = self.ends().map(|(height, radius)| {
+            let centre = DVec3::new(height, 0.0, 0.0);
+            (centre, DVec3::new(height, radius, 0.0))
+        });
+        let lines = [[lower.0, lower.1], [lower.1, upper.1], [upper.1, upper.0]];
+        let ways = lines.map(|line| place - nearest_on_segment(line, place));
+        let shorter = |a: DVec3, b: DVec3| {
+            if b.length_squared() < a.length_squared() {
+                b
+            } else {
+                a
+            }
+        };
+        let way = ways.into_iter().fold(DVec3::INFINITY, shorter);
+        self.axis * way.x + out * way.y
+    }
+
     /// Returns the place along the axis, the unit vector away from it, and the distance from it.
     pub(super) fn split(&self, at: DVec3) -> (f64, DVec3, f64) {
         let from_middle = at - self.middle;
@@ -200,7 +260,11 @@ pub(super) fn nearest_on_segment([from, to]: [DVec3; 2], at: DVec3) -> DVec3 {
 /// Returns the half-space behind a polygon of a hull, moved inward until the whole polygon lies
 /// outside; and how far the hull reaches beyond the polygon. No half-space has a polygon without
 /// area.
-fn face(points: &[DVec3], polygon: &[usize]) -> Option<(OrientedPlane, f64)> {
+fn half_space(
+    points: &[DVec3],
+    support: &Support,
+    polygon: &[usize],
+) -> Option<(OrientedPlane, f64)> {
     let first = points[*polygon.first()?];
     let fan = polygon.windows(2).map(|pair| {
         let (a, b) = (points[pair[0]] - first, points[pair[1]] - first);
@@ -208,8 +272,7 @@ fn face(points: &[DVec3], polygon: &[usize]) -> Option<(OrientedPlane, f64)> {
     });
     let normal = fan.sum::<DVec3>().try_normalize()?;
     let seen_from = |normal: DVec3| {
-        let heights = points.iter().map(|point| normal.dot(*point));
-        let highest = heights.fold(f64::NEG_INFINITY, f64::max);
+        let highest = support.highest(normal);
         let own = polygon.iter().map(|&corner| normal.dot(points[corner]));
         let lowest = own.fold(f64::INFINITY, f64::min);
         let plane = OrientedPlane {
@@ -300,6 +363,47 @@ mod tests {
             assert!(is_closed(surface.polygons()));
             assert!((surface.volume() - 8.0).abs() < 1e-14);
             assert!(cube.unevenness <= 0.0);
+        }
+    }
+    /// The nearest point is in the form, and no point of the form is nearer: all are behind the plane through it.
+    #[test]
+    fn distances_outside_are_exact() {
+        use super::super::random::Random;
+        let round = |radii, half_height| {
+            SolidForm::Round(Round {
+                middle: DVec3::new(0.1, 0.2, 0.3),
+                axis: DVec3::new(0.6, 0.0, 0.8),
+                radii,
+                half_height,
+            })
+        };
+        let mut random = Random::new(5, 0);
+        for form in [
+            round([1.0; 2], 0.7),
+            round([1.0, 0.0], 0.7),
+            round([1.0; 2], 0.0),
+            round([1.0, 0.0], 0.0),
+            round([1.0, 0.0], 1e-9),
+            round([0.0; 2], 1.0),
+            SolidForm::cuboid(DVec3::new(0.3, 0.6, 0.9)),
+            SolidForm::cuboid(DVec3::new(1e-6, 1.0, 1e-6)),
+        ] {
+            let extremes = form.extremes();
+            let convex = Convex::new(form);
+            for _ in 0..500 {
+                let at = random.point(DVec3::splat(-2.0), DVec3::splat(2.0));
+                let (distance, gradient) = convex.signed_distance(at);
+                if distance <= 1e-9 {
+                    continue;
+                }
+                let nearest = at - gradient * distance;
+                let is_in = convex.height(nearest).0 <= 1e-14;
+                assert!(is_in, "{:?} {at}", convex.form);
+                for &(point, _) in &extremes {
+                    let above = gradient.dot(point - nearest);
+                    assert!(above <= 1e-14, "{:?} {at} {above:e}", convex.form);
+                }
+            }
         }
     }
 }

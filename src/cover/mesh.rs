@@ -268,7 +268,7 @@ fn clear_distance([a, b, c]: [DVec3; 3], at: DVec3) -> f64 {
 /// Returns the point of a triangle that is nearest to a place.
 ///
 /// C. Ericson: Real-Time Collision Detection (2005), section 5.1.5.
-fn nearest_on_triangle([a, b, c]: [DVec3; 3], at: DVec3) -> DVec3 {
+pub(super) fn nearest_on_triangle([a, b, c]: [DVec3; 3], at: DVec3) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, at - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {

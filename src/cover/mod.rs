@@ -77,6 +77,7 @@ mod search;
 mod solid;
 mod sphere_cover;
 mod starts;
+mod support;
 mod surface;
 mod verify;
 mod volume;

@@ -63,7 +63,7 @@ impl SolidPart {
     /// Returns true if the signed distance is not positive. No mesh is asked how far its surface is.
     fn contains(&self, at: DVec3) -> bool {
         match self {
-            Self::Convex(convex) => convex.signed_distance(at).0 <= 0.0,
+            Self::Convex(convex) => convex.contains(at),
             Self::Mesh(mesh) => mesh.is_closed() && mesh.crossings(at) != 0 || mesh.has(at),
         }
     }

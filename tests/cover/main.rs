@@ -10,6 +10,7 @@ mod capsules;
 mod cases;
 mod far;
 mod meshes;
+mod thin;
 mod verdicts;
 mod volumes;
 
