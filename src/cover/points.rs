@@ -189,10 +189,12 @@ impl Samples {
         let points = || surfaces.iter().flat_map(|surface| &surface.points);
         let low = points().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = points().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let mut cube = (high - low).max_element() / 256.0;
+        let extent = (high - low).max_element();
+        let mut cube = extent / 256.0;
         loop {
             let mut samples = Self::of_cubes(surfaces, low, cube);
-            if samples.normals.len() <= most || cube > (high - low).max_element() {
+            // Each surface has a point, and all of them may be at one place.
+            if samples.normals.len() <= most || cube >= extent {
                 samples.find_boxes();
                 return samples;
             }
@@ -316,4 +318,17 @@ fn zero_of([a, b, c]: [DVec3; 3], values: [(f64, f64); 3]) -> Option<DVec3> {
     let u = (f2 * g0 - f0 * g2) / below;
     let v = (f0 * g1 - f1 * g0) / below;
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| a + (b - a) * u + (c - a) * v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More surfaces than points are asked for, all of them one point.
+    #[test]
+    fn samples_of_one_place() {
+        let points = vec![Surface::new(vec![DVec3::ONE; 3], true); 9];
+        let samples = Samples::new(&points, 4);
+        assert_eq!(samples.normals.len(), 9);
+    }
 }

@@ -4,7 +4,7 @@ use crate::cases::directions;
 use crate::fit;
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Rotation, Vector};
-use nearmiss::parry3d::shape::{Compound, Cone, SharedShape};
+use nearmiss::parry3d::shape::{Ball, Compound, Cone, SharedShape};
 
 /// A shape turned in a compound of its own.
 fn turned(shape: SharedShape) -> Compound {
@@ -56,4 +56,13 @@ fn thin_shapes_that_are_turned_have_good_covers() {
         let cover = fit(&turned(shape), count);
         assert!(cover.overshoot() <= most, "{count} {most}: {cover:?}");
     }
+}
+
+/// More parts than a search has points, all of them at one place.
+#[test]
+fn a_thousand_points_at_one_place_have_a_cover() {
+    let point = (Pose::IDENTITY, SharedShape::new(Ball::new(0.0)));
+    let cover = fit(&Compound::new(vec![point; 1_001]), 4);
+    assert_eq!(cover.spheres().len(), 1);
+    assert!(cover.overshoot() <= 0.0);
 }
