@@ -12,7 +12,8 @@ const LINES: usize = 256;
 /// Lines through all balls, about.
 const ALL_LINES: usize = 1 << 18;
 
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+/// The golden ratio, less 1.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// The lines through a box, upward.
 struct LineGrid {
@@ -26,7 +27,8 @@ struct LineGrid {
 /// volume.
 pub(super) fn ratio(solid: &Solid, balls: &[(DVec3, f64)]) -> Option<f64> {
     let volume = solid.is_volume().then(|| of_solid(solid))?;
-    (volume > 1e-12 * solid.diameter.powi(3)).then(|| of_balls(balls) / volume)
+    // The balls contain the solid: only sums that are rounded can be less.
+    (volume > 1e-12 * solid.diameter.powi(3)).then(|| (of_balls(balls) / volume).max(1.0))
 }
 
 fn of_solid(solid: &Solid) -> f64 {
@@ -49,35 +51,72 @@ fn of_solid(solid: &Solid) -> f64 {
     lines.volume()
 }
 
-/// Returns the volume of a union: the sum of the balls' shares, each summed along lines through its ball.
-/// A share is what of the ball has the least power with respect to it. So thin rows of balls need no more lines.
+/// Returns the volume of a union: the sum of the balls' shares, each summed along lines through a box around it.
+/// A share is what of the ball has the least power with respect to it. So thin rows of balls, and rows of thin shares,
+/// need no more lines.
 fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
     if let [(_, radius)] = balls {
         return 4.0 / 3.0 * PI * radius.powi(3);
     }
     let lines = (ALL_LINES / balls.len()).clamp(256, 16_384);
-    let count = as_f64(lines);
-    // Rings of one area, by the golden angle: nothing repeats along a plane.
-    let line = |number: usize| {
-        let number = as_f64(number);
-        let square = (number + 0.5) / count;
-        let place = DVec2::from_angle(GOLDEN_ANGLE * number) * square.sqrt();
-        (place, (1.0 - square).sqrt())
-    };
-    let lines: Vec<(DVec2, f64)> = (0..lines).map(line).collect();
     let of_share = |own: usize| {
-        let radius = balls[own].1;
-        let Some(half_spaces) = half_spaces_of_share(own, balls) else {
-            return 0.0;
-        };
-        let turn = DVec2::from_angle(as_f64(own));
-        let each = lines.iter().map(|&(place, half)| {
-            let place = place.rotate(turn) * radius;
-            within(place, half * radius, &half_spaces)
-        });
-        each.sum::<f64>() * PI * radius * radius / count
+        half_spaces_of_share(own, balls).map_or(0.0, |half_spaces| {
+            // Shares that are alike have lines at other places.
+            let shift = (as_f64(own) * GOLDEN).fract();
+            of_share(balls[own].1, &half_spaces, lines, shift)
+        })
     };
     (0..balls.len()).map(of_share).sum()
+}
+
+/// Returns the volume of what half-spaces leave of a ball around 0. The lines lie along the plane that cuts most of it.
+fn of_share(radius: f64, half_spaces: &[(DVec3, f64)], lines: usize, shift: f64) -> f64 {
+    let planes = half_spaces.iter().map(|&(normal, offset)| {
+        let length = normal.length();
+        (normal / length, offset / length)
+    });
+    let planes: Vec<(DVec3, f64)> = planes.collect();
+    let nearest = planes.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some(across) = nearest.and_then(|(normal, _)| normal.try_normalize()) else {
+        return 4.0 / 3.0 * PI * radius.powi(3);
+    };
+    let (beside, up) = across.any_orthonormal_pair();
+    let reach = |direction: DVec3| {
+        let each = planes
+            .iter()
+            .map(|plane| reach_of_segment(radius, *plane, direction));
+        each.fold(radius, f64::min)
+    };
+    let low = DVec2::new(-reach(-across), -reach(-beside));
+    let size = (DVec2::new(reach(across), reach(beside)) - low).max(DVec2::ZERO);
+    let turned: Vec<(DVec3, f64)> = planes
+        .iter()
+        .map(|&(normal, offset)| {
+            let [x, y, z] = [across, beside, up].map(|axis| normal.dot(axis));
+            (DVec3::new(x, y, z), offset)
+        })
+        .collect();
+    let count = as_f64(lines);
+    let each = (0..lines).map(|number| {
+        // A lattice of the golden ratio: evenly spread along either side of the box, however thin.
+        let number = as_f64(number);
+        let place = DVec2::new((number * GOLDEN + shift).fract(), (number + 0.5) / count);
+        let place = low + size * place;
+        let square = radius * radius - place.length_squared();
+        within(place, square.max(0.0).sqrt(), &turned)
+    });
+    each.sum::<f64>() * size.x * size.y / count
+}
+
+/// Returns how far a ball around 0, cut by a half-space (unit normal, offset), reaches along a unit vector.
+fn reach_of_segment(radius: f64, (normal, offset): (DVec3, f64), direction: DVec3) -> f64 {
+    let cos = normal.dot(direction);
+    if radius * cos <= offset {
+        return radius;
+    }
+    // Along the circle in which the plane cuts the ball.
+    let rim = (radius - offset) * (radius + offset);
+    offset * cos + (rim * (1.0 - cos * cos)).max(0.0).sqrt()
 }
 
 /// Returns the half-spaces `normal . x <= offset` around a ball's centre that cut its share, `None` if the share is
@@ -218,5 +257,63 @@ impl LineGrid {
             }
         }
         total * self.step.x * self.step.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of equal balls, with shares much thinner than the balls, in any direction.
+    #[test]
+    fn volumes_of_rows() {
+        for count in [2, 10, 100, 1_000] {
+            for direction in [DVec3::X, DVec3::Z, DVec3::new(0.6, 0.48, 0.64)] {
+                let balls: Vec<(DVec3, f64)> = (0..count)
+                    .map(|number| {
+                        (
+                            direction * (20.0 * as_f64(number) / as_f64(count - 1)),
+                            1.01,
+                        )
+                    })
+                    .collect();
+                let gap = 20.0 / as_f64(count - 1);
+                let up_to = |height: f64| PI * (1.01 * 1.01 * height - height.powi(3) / 3.0);
+                let (half, radius) = (f64::min(gap / 2.0, 1.01), 1.01);
+                let expected = 2.0 * up_to(radius) + 2.0 * as_f64(count - 1) * up_to(half);
+                let ratio = of_balls(&balls) / expected;
+                assert!((ratio - 1.0).abs() < 3e-4, "{count} {direction}: {ratio}");
+            }
+        }
+    }
+
+    /// A lattice of balls in a cube: the whole cube, and caps of the outer ones.
+    #[test]
+    fn volumes_of_lattices() {
+        for count in [3_usize, 8] {
+            let place = |number: usize| as_f64(number) / as_f64(count);
+            let balls: Vec<(DVec3, f64)> = (0..count.pow(3))
+                .map(|number| {
+                    let [x, y, z] = [1, count, count * count].map(|step| number / step % count);
+                    (
+                        DVec3::new(place(x), place(y), place(z)),
+                        2.0 / as_f64(count),
+                    )
+                })
+                .collect();
+            // The union, on a fine grid of lines.
+            let all = DVec3::splat(3.0 / as_f64(count));
+            let mut grid = LineGrid::through(-all, DVec3::ONE + all);
+            for &(centre, radius) in &balls {
+                grid.visit(centre - radius, centre + radius, |at, within| {
+                    let square = radius * radius - (at - centre).truncate().length_squared();
+                    if square > 0.0 {
+                        within.push((centre.z - square.sqrt(), centre.z + square.sqrt()));
+                    }
+                });
+            }
+            let ratio = of_balls(&balls) / grid.volume();
+            assert!((ratio - 1.0).abs() < 1e-3, "{count}: {ratio}");
+        }
     }
 }

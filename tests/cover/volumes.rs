@@ -79,3 +79,13 @@ fn volumes_of_thin_covers() {
         );
     }
 }
+
+/// The shares of many spheres are much thinner than the spheres.
+#[test]
+fn volumes_of_many_spheres() {
+    let capsule = Capsule::new_y(10.0, 1.0);
+    for (count, expected) in [(100, 1.006_86), (200, 1.001_71), (1_000, 1.000_076)] {
+        let ratio = fit(&capsule, count).volume_ratio().unwrap();
+        assert!((ratio - expected).abs() < 3e-4, "{count}: {ratio}");
+    }
+}
