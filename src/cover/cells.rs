@@ -27,16 +27,16 @@ impl CellScratch {
     /// Forms the share of one of the balls of a surface. The share contains all points of the surface,
     /// and of the volume that it bounds, whose power with respect to this ball is the least.
     pub(super) fn form(&mut self, surface: &Surface, own: usize, balls: &[(DVec3, f64)]) {
-        self.form_without(surface, own, balls, None);
+        self.form_without(surface, own, balls, |_| false);
     }
 
-    /// Forms the share as if one of the other balls were not there.
+    /// Forms the share as if some of the other balls were not there.
     pub(super) fn form_without(
         &mut self,
         surface: &Surface,
         own: usize,
         balls: &[(DVec3, f64)],
-        absent: Option<usize>,
+        is_absent: impl Fn(usize) -> bool,
     ) {
         self.share.copy_from(surface);
         self.cut_by.clear();
@@ -44,7 +44,7 @@ impl CellScratch {
         self.order.clear();
         for (number, &(other, other_radius)) in balls.iter().enumerate() {
             let apart = other.distance(centre);
-            if number == own || apart < ONE_PLACE || absent == Some(number) {
+            if number == own || apart < ONE_PLACE || is_absent(number) {
                 continue;
             }
             let squares = (radius - other_radius) * (radius + other_radius);
@@ -69,6 +69,20 @@ impl CellScratch {
             }
         }
     }
+
+    /// Returns the radius that a ball needs to contain its share of a surface, `None` without a share, as if some of the
+    /// other balls were not there.
+    pub(super) fn needed(
+        &mut self,
+        surface: &Surface,
+        own: usize,
+        balls: &[(DVec3, f64)],
+        is_absent: impl Fn(usize) -> bool,
+    ) -> Option<f64> {
+        self.form_without(surface, own, balls, is_absent);
+        let has_share = !self.share.points.is_empty();
+        has_share.then(|| self.share.farthest(balls[own].0) + 4.0 * OUTWARD)
+    }
 }
 
 /// Returns the radius that each ball needs to contain its share of some surfaces, `None` without a
@@ -77,13 +91,15 @@ pub(super) fn needed_radii(surfaces: &[Surface], balls: &[(DVec3, f64)]) -> Vec<
     let one = |scratch: &mut CellScratch, own: usize| {
         let mut needed: Option<f64> = None;
         for surface in surfaces {
-            scratch.form(surface, own, balls);
-            if !scratch.share.points.is_empty() {
-                let reach = scratch.share.farthest(balls[own].0) + 4.0 * OUTWARD;
-                needed = Some(needed.map_or(reach, |needed| needed.max(reach)));
-            }
+            let of_surface = scratch.needed(surface, own, balls, |_| false);
+            needed = larger(needed, of_surface);
         }
         needed
     };
     parallel::map(balls.len(), CellScratch::default, one)
+}
+
+/// Returns the larger one of two radii, if there is one.
+pub(super) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    one.into_iter().chain(other).reduce(f64::max)
 }

@@ -12,6 +12,21 @@ pub(super) struct Certified {
     pub(super) balls: Vec<(DVec3, f64)>,
     /// No ball reaches farther out of the solid than this.
     pub(super) overshoot: f64,
+    /// The overshoot that was expected when the balls' shares were found.
+    pub(super) expected: f64,
+}
+
+impl Certified {
+    /// Returns the balls by which the shares were found, from their centres and bounds of the signed distances.
+    pub(super) fn weighted(&self, centres: &[DVec3], heights: &[f64]) -> Vec<(DVec3, f64)> {
+        weighted(centres, heights, self.expected)
+    }
+}
+
+fn weighted(centres: &[DVec3], heights: &[f64], expected: f64) -> Vec<(DVec3, f64)> {
+    let each = centres.iter().zip(heights);
+    each.map(|(&centre, &height)| (centre, (expected - height).max(0.0)))
+        .collect()
 }
 
 /// Points of round surfaces in all, about.
@@ -39,6 +54,15 @@ pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
     .collect()
 }
 
+/// Returns what radii are enlarged by, in all.
+pub(super) fn spare(solid: &Solid) -> f64 {
+    // A second proof, from other surfaces and other shares, needs some room. Half-spaces are moved
+    // outward by 1e-11, which lengthens a small ball's share by more where a large ball is its neighbour.
+    let is_round = solid.parts.iter().any(SolidPart::is_round);
+    let other_surfaces = if is_round { 5e-7 * solid.diameter } else { 0.0 };
+    32.0 * (solid.rounding + 1e-10) + solid.unevenness + other_surfaces
+}
+
 /// Returns the balls around some centres that contain the surfaces, and the volumes that they bound,
 /// with about the least overshoot. `expected` is about that overshoot.
 pub(super) fn certify(
@@ -48,20 +72,15 @@ pub(super) fn certify(
     mut expected: f64,
 ) -> Certified {
     const ROUNDS: u32 = 8;
-    // A second proof, from other surfaces and other shares, needs some room. Half-spaces are moved
-    // outward by 1e-11, which lengthens a small ball's share by more where a large ball is its neighbour.
-    let is_round = solid.parts.iter().any(SolidPart::is_round);
-    let other_surfaces = if is_round { 5e-7 * solid.diameter } else { 0.0 };
-    let spare = 32.0 * (solid.rounding + 1e-10) + solid.unevenness + other_surfaces;
+    let spare = spare(solid);
     let heights = solid.certain_distances(centres);
     let mut best = Certified {
         balls: Vec::new(),
         overshoot: f64::INFINITY,
+        expected,
     };
     for _ in 0..ROUNDS {
-        let with_radius =
-            |(&centre, &height): (&DVec3, &f64)| (centre, (expected - height).max(0.0));
-        let mut balls: Vec<_> = centres.iter().zip(&heights).map(with_radius).collect();
+        let mut balls = weighted(centres, &heights, expected);
         let needed = needed_radii(surfaces, &balls);
         let mut overshoot = f64::NEG_INFINITY;
         for ((ball, needed), height) in balls.iter_mut().zip(&needed).zip(&heights) {
@@ -75,7 +94,11 @@ pub(super) fn certify(
         // The shares of other weights would be no better.
         let gain = best.overshoot - overshoot;
         if gain > 0.0 {
-            best = Certified { balls, overshoot };
+            best = Certified {
+                balls,
+                overshoot,
+                expected,
+            };
         }
         if gain < 1e-4 * overshoot {
             break;

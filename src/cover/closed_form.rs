@@ -23,6 +23,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
         return Some(Certified {
             balls: vec![(DVec3::ZERO, radius)],
             overshoot: 2.0 * radius,
+            expected: 0.0,
         });
     }
     let [SolidPart::Convex(convex)] = &solid.parts[..] else {
@@ -39,6 +40,7 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
         return Some(Certified {
             balls: vec![(ends[0], radius + spare)],
             overshoot: 2.0 * spare,
+            expected: 0.0,
         });
     }
     let gaps = as_f64(count - 1);
@@ -68,5 +70,6 @@ pub(super) fn closed_form(solid: &Solid, count: usize) -> Option<Certified> {
     Some(Certified {
         balls,
         overshoot: high + 2.0 * spare,
+        expected: high,
     })
 }

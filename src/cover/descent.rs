@@ -224,7 +224,7 @@ impl DescentScratch {
                     let mut overshoot = own[ball];
                     if cut_by[ball].contains(&lost) {
                         self.cell
-                            .form_without(surface, ball, &self.balls, Some(lost));
+                            .form_without(surface, ball, &self.balls, |other| other == lost);
                         if !self.cell.share.points.is_empty() {
                             overshoot = self.reach(ball);
                         }

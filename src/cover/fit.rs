@@ -3,6 +3,7 @@
 use super::certificate::{Certified, certify, fine_surfaces};
 use super::closed_form::closed_form;
 use super::descent::{CoverCandidate, DescentScratch, Schedule, Target, descend};
+use super::needless::without_needless;
 use super::points::Samples;
 use super::random::Random;
 use super::refine::refined;
@@ -12,6 +13,7 @@ use super::starts::{deepest, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Sides of round forms while centres are sought.
@@ -28,6 +30,9 @@ const POOL: usize = 8_192;
 
 /// Covers that are polished: samples do not tell which one is best then.
 const POLISHED: usize = 4;
+
+/// Balls of which single ones are moved; of more there is one descent.
+const MANY_BALLS: usize = 256;
 
 /// Points that are moved to ridges.
 const RIDGE_POINTS: usize = 1_024;
@@ -103,6 +108,8 @@ pub(super) struct Fitter<'a> {
     ridges: Vec<(DVec3, f64)>,
     seed: u64,
     effort: u32,
+    /// The cover of as many balls as are searched for by moves of single ones, if it was asked for.
+    of_many: OnceLock<Certified>,
 }
 
 impl<'a> Fitter<'a> {
@@ -131,6 +138,7 @@ impl<'a> Fitter<'a> {
             more_samples,
             seed,
             effort: effort.max(1),
+            of_many: OnceLock::new(),
         }
     }
 
@@ -151,7 +159,7 @@ impl<'a> Fitter<'a> {
             chains
         };
         let chains = if count == 1 { 2 } else { chains } * self.effort;
-        let rounds = if !(2..=256).contains(&count) {
+        let rounds = if !(2..=MANY_BALLS).contains(&count) {
             0
         } else {
             self.sampling.rounds()
@@ -159,12 +167,33 @@ impl<'a> Fitter<'a> {
         (chains, rounds)
     }
 
-    /// Returns the best cover found with at most `count` balls. `progress` gets the share done,
-    /// below 1, on any thread.
+    /// Returns the best cover found with at most `count` balls: none reaches out farther than the cover of one ball, and
+    /// of more than 256 balls than that of 256. `progress` gets the share done, below 1, on any thread.
     pub(super) fn fit(&self, count: usize, progress: &(dyn Fn(f64) + Sync)) -> Certified {
         if let Some(certified) = closed_form(self.solid, count) {
             return certified;
         }
+        let mut best = if count > MANY_BALLS {
+            let of_many = self.of_many.get_or_init(|| {
+                let first_half = |share: f64| progress(share / 2.0);
+                self.search(MANY_BALLS, &first_half)
+            });
+            let second_half = |share: f64| progress(f64::midpoint(share, 1.0));
+            better(of_many.clone(), self.search(count, &second_half))
+        } else {
+            self.search(count, progress)
+        };
+        // One ball is as large as half the diameter, and no point is deeper than the thinnest box.
+        let size = self.solid.high - self.solid.low;
+        let least_of_one = (self.solid.diameter - size.min_element()) / 2.0;
+        if count > 1 && best.overshoot > least_of_one {
+            best = better(self.search(1, &|_| {}), best);
+        }
+        without_needless(self.solid, &self.fine, best)
+    }
+
+    /// Returns the best of several covers of about `count` balls.
+    fn search(&self, count: usize, progress: &(dyn Fn(f64) + Sync)) -> Certified {
         let (chains, rounds) = self.chains_and_rounds(count);
         let done = AtomicU32::new(0);
         let steps = f64::from(chains * (rounds + 1) + 2);

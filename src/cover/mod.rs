@@ -14,7 +14,7 @@
 //! where they are needed, and descends again. The points are corners of the balls' shares of
 //! polyhedra (`cells`) where these are round or have few faces. Elsewhere they are points of a triangulation
 //! (`points`, `nearest`): one with fewer points where the surface is fine, one with more where the surface is
-//! coarse (`refine`). Nothing of this has to be right: `certificate` finds the radii and their overshoot anew.
+//! coarse (`refine`). Balls that a cover does not need go (`needless`). Nothing of this has to be right: `certificate` finds the radii and their overshoot anew.
 //!
 //! # The proof
 //!
@@ -68,6 +68,7 @@ mod form;
 mod hull;
 mod mesh;
 mod nearest;
+mod needless;
 mod options;
 mod points;
 mod random;

@@ -58,6 +58,9 @@ impl SphereCover {
     /// bound too. Neither is a matter of samples. Whether fewer or smaller spheres would do is not
     /// proven, except for a ball and a capsule, which have closed forms.
     ///
+    /// Spheres that the others make needless are dropped. The overshoot is never larger than that with one sphere, nor
+    /// with more than 256 spheres than that with 256.
+    ///
     /// The shape's f32 numbers count as exact. A compound is covered part by part, and a depth in
     /// it is that in one of its parts: parts that overlap well lead to better bounds. The interior of
     /// a mesh is where its surface winds around. A convex polyhedron is the hull of all its points, also of those that
@@ -277,15 +280,21 @@ fn fewest(
 ) -> Result<Certified, CoverError> {
     let reaches = |certified: &Certified| certified.overshoot * solid.unit <= target;
     let (mut short, mut count) = (0, 1);
+    let mut best: Option<Certified> = None;
     let mut best = loop {
         let certified = fit(count);
         if reaches(&certified) {
             break certified;
         }
-        if count == most {
+        // More balls need not be better.
+        let is_better = |best: &Certified| certified.overshoot < best.overshoot;
+        if best.as_ref().is_none_or(is_better) {
+            best = Some(certified);
+        }
+        if let Some(best) = best.as_ref().filter(|_| count == most) {
             return Err(CoverError::TargetMissed {
-                spheres: certified.balls.len(),
-                overshoot: certified.overshoot * solid.unit,
+                spheres: best.balls.len(),
+                overshoot: best.overshoot * solid.unit,
                 target,
             });
         }

@@ -9,6 +9,7 @@ mod campaign;
 mod capsules;
 mod cases;
 mod far;
+mod few;
 mod meshes;
 mod thin;
 mod verdicts;
