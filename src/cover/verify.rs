@@ -31,8 +31,8 @@ pub enum Coverage {
     /// - Meshes with gaps, where planes between spheres agree to rounding.
     /// - Spheres much smaller than their neighbours.
     /// - Spheres with too few digits for a verdict, see [`verify_cover`].
-    /// - Round shapes, where spheres meet so near to the surface that 262,144 pieces of it are not
-    ///   enough. A capsule with spheres on its axis needs no pieces.
+    /// - Round shapes, where spheres meet so near to the surface that a million comparisons of a sphere with a piece of
+    ///   the shape are not enough. A capsule with spheres on its axis needs none.
     /// - Shapes far from the origin of their frame, which rounding moves by up to 1e-13 of their distance.
     Undecided {
         /// A point in doubt, in the shape's frame, m.
@@ -46,8 +46,14 @@ const FINEST: f64 = 1e-7;
 /// A point that is outside of all balls by less than this may be in one, in the solid's unit.
 const CERTAIN: f64 = 1e-9;
 
-/// Pieces of one generation; more are not halved.
-const MAX_PIECES: usize = 1 << 18;
+/// Balls that are compared with pieces of round forms before no more pieces are halved.
+const MAX_TESTS: usize = 1 << 20;
+
+/// As many more for each ball, and for each part.
+const MORE_TESTS: usize = 1 << 12;
+
+/// As many for a part if one ball contains it but for rounding: nothing farther out can be found.
+const FEW_TESTS: usize = 1 << 14;
 
 /// Spheres this many times larger than the shape have too few digits for a verdict: the planes between larger
 /// ones may be off by more than shares are enlarged.
@@ -159,6 +165,7 @@ impl Balls {
         }
         self.drop_contained();
         let mut verdict = Coverage::Covered;
+        let mut tests = MAX_TESTS + MORE_TESTS * (self.balls.len() + solid.parts.len());
         for (part, ball) in solid.parts.iter().zip(&solid.balls) {
             // Exact where the centres are one.
             let is_in = |ball: &Sphere| {
@@ -169,7 +176,9 @@ impl Balls {
                 continue;
             }
             let of_part = match part {
-                SolidPart::Convex(convex) if part.is_round() => self.of_round(solid, convex.form()),
+                SolidPart::Convex(convex) if part.is_round() => {
+                    self.of_round(solid, convex.form(), &mut tests)
+                }
                 _ => self.of_polyhedron(solid, part),
             };
             match of_part {
@@ -207,7 +216,8 @@ impl Balls {
         }
     }
 
-    fn of_round(&self, solid: &Solid, form: &SolidForm) -> Coverage {
+    /// Returns the verdict on a round part. Tests of balls on pieces are taken from those that remain.
+    fn of_round(&self, solid: &Solid, form: &SolidForm, remaining: &mut usize) -> Coverage {
         let spare = solid.rounding + self.rounding;
         if self.balls.iter().any(|ball| contains(ball, form, spare)) {
             return Coverage::Covered;
@@ -219,6 +229,12 @@ impl Balls {
         }
         // Smaller pieces would not help against rounding.
         let finest = (FINEST * solid.diameter).max(spare);
+        let is_nearly_in = |ball| contains(ball, form, -finest);
+        let mut allowed = if self.balls.iter().any(is_nearly_in) {
+            FEW_TESTS.min(*remaining)
+        } else {
+            *remaining
+        };
         let mut undecided = None;
         let mut pieces: Vec<(Wedge, Vec<usize>)> = wedges(form)
             .into_iter()
@@ -230,6 +246,9 @@ impl Balls {
                 let surface = piece.polyhedron();
                 let balls = self.relevant(&surface, &balls);
                 let few: Vec<_> = balls.iter().map(|&ball| self.balls[ball]).collect();
+                // The first pieces are examined in any case.
+                allowed = allowed.saturating_sub(few.len());
+                *remaining = remaining.saturating_sub(few.len());
                 let Some(point) = farthest_out(&surface, &few, spare) else {
                     continue;
                 };
@@ -238,7 +257,7 @@ impl Balls {
                     return Coverage::Uncovered { point };
                 }
                 // A point's pieces are points.
-                if piece.slack() <= finest || next.len() >= MAX_PIECES {
+                if piece.slack() <= finest || allowed == 0 {
                     undecided.get_or_insert(point);
                 } else {
                     next.extend(piece.halves().map(|half| (half, balls.clone())));
@@ -385,6 +404,41 @@ fn into(form: &SolidForm, point: DVec3) -> DVec3 {
             let radius = lower + (upper - lower) * if share > 0.0 { share } else { 0.0 };
             let out = out * away.min(radius.max(0.0) * INSIDE);
             round.middle + round.axis * along + out
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball nearly contains the form: few tests are made.
+    #[test]
+    fn tests_of_balls_on_pieces_are_few() {
+        let form = SolidForm::Capsule {
+            ends: [DVec3::ZERO; 2],
+            radius: 1.0,
+        };
+        let solid = Solid::new(vec![(form.clone(), 0.0)]).unwrap_or_else(|| unreachable!());
+        let around = |count: usize, apart: f64| Balls {
+            balls: (0..count)
+                .map(|number| {
+                    let (sin, cos) = (as_f64(number) * 2.4).sin_cos();
+                    (DVec3::new(sin, cos, 0.0) * apart, 1.0 - 5e-10)
+                })
+                .collect(),
+            ..Balls::default()
+        };
+        for balls in [around(1, 1e-12), around(7, 1e-10)] {
+            let mut remaining = MAX_TESTS;
+            let verdict = balls.of_round(&solid, &form, &mut remaining);
+            assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
+            // The pieces that are there when no more may be halved are examined.
+            let made = MAX_TESTS - remaining;
+            assert!(made > 1_000 && made < 4 * FEW_TESTS, "{made}");
+            let mut none = 0;
+            let verdict = balls.of_round(&solid, &form, &mut none);
+            assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
         }
     }
 }

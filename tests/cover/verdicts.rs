@@ -1,6 +1,6 @@
 //! Verdicts on spheres, of a cover or not.
 
-use crate::cases::{seeded, torus};
+use crate::cases::{direction, seeded, torus};
 use crate::{brick, covers, fit};
 use nearmiss::glam::DVec3;
 use nearmiss::parry3d::math::{Pose, Vector};
@@ -280,4 +280,35 @@ fn balls_of_a_compound_cover_it() {
         verify_cover(&spheres, &compound).unwrap(),
         Coverage::Covered
     );
+}
+
+/// Spheres that reach as far as a round shape but for rounding, everywhere: nothing is proven, soon.
+#[test]
+fn shapes_that_are_nearly_the_spheres() {
+    let ball = Ball::new(1.0);
+    let mut random = seeded(4);
+    let mut near = |count: usize, apart: f64, radius: f64| -> Vec<Sphere> {
+        let all = 0..count;
+        all.map(|_| sphere(direction(&mut random) * apart, radius))
+            .collect()
+    };
+    let many = near(32, 1e-4, 1.0 - 1e-9);
+    let one = near(1, 1e-12, 1.0);
+    let few = near(7, 1e-8, 1.0 - 1e-9);
+    for spheres in [many, one, few] {
+        let verdict = verify_cover(&spheres, &ball).unwrap();
+        assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
+    }
+    let places: Vec<f32> = (0..40_u8).map(|number| 3.0 * f32::from(number)).collect();
+    let parts = places.iter().map(|&x| {
+        let place = Pose::translation(x, 0.0, 0.0);
+        (place, SharedShape::new(ball))
+    });
+    let compound = Compound::new(parts.collect());
+    let spheres: Vec<Sphere> = places
+        .iter()
+        .map(|&x| sphere(DVec3::new(f64::from(x), 1e-12, 0.0), 1.0))
+        .collect();
+    let verdict = verify_cover(&spheres, &compound).unwrap();
+    assert!(matches!(verdict, Coverage::Undecided { .. }), "{verdict:?}");
 }
