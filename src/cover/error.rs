@@ -66,7 +66,7 @@ pub enum CoverError {
         /// The factor.
         factor: f64,
     },
-    /// A number of a saved cover is negative, NaN or infinite.
+    /// A number of a saved cover is negative, NaN or infinite, or one of a scaled cover overflows.
     #[error("a cover whose {field} is {value:?}: not a finite number of at least 0")]
     Saved {
         /// The overshoot (m), the diameter (m) or the volume ratio.

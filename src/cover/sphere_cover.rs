@@ -202,7 +202,8 @@ impl SphereCover {
     /// # Errors
     ///
     /// - [`CoverError::Scale`] if the factor is not a positive finite number.
-    /// - [`CoverError::Sphere`] if a number leaves the range of hitboxes.
+    /// - [`CoverError::Sphere`] if a number of a sphere leaves the range of hitboxes.
+    /// - [`CoverError::Saved`] if the overshoot or the diameter overflows.
     pub fn scaled(&self, factor: f64) -> Result<Self, CoverError> {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(CoverError::Scale { factor });
@@ -218,9 +219,10 @@ impl SphereCover {
         });
         // By one the radius grows. Another one is for how it is rounded, and the centre.
         let most = self.spheres().iter().map(rounding).fold(0.0, f64::max);
+        let overshoot = (self.overshoot * factor + 2.0 * most) * (1.0 + f64::EPSILON);
         Ok(Self {
-            overshoot: (self.overshoot * factor + 2.0 * most) * (1.0 + f64::EPSILON),
-            diameter: self.diameter * factor,
+            overshoot: checked("overshoot", overshoot)?,
+            diameter: checked("diameter", self.diameter * factor)?,
             spheres: Hitbox::cluster(spheres.collect())?,
             ..*self
         })
@@ -255,9 +257,7 @@ impl TryFrom<CoverNumbers> for SphereCover {
             ("diameter", diameter),
             ("volume ratio", volume_ratio.unwrap_or(0.0)),
         ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(CoverError::Saved { field, value });
-            }
+            checked(field, value)?;
         }
         Ok(Self {
             // A half-space has no spheres.
@@ -268,6 +268,18 @@ impl TryFrom<CoverNumbers> for SphereCover {
             extent,
         })
     }
+}
+
+/// Returns a number of a cover, if it is one.
+///
+/// # Errors
+///
+/// [`CoverError::Saved`].
+fn checked(field: &'static str, value: f64) -> Result<f64, CoverError> {
+    let is_one = value >= 0.0 && value.is_finite();
+    is_one
+        .then_some(value)
+        .ok_or(CoverError::Saved { field, value })
 }
 
 /// Returns the smallest cover found that reaches a target (m): numbers of balls are doubled until one

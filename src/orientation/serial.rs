@@ -58,8 +58,28 @@ impl TryFrom<OrientationNumbers> for Orientation {
             before = part.from;
         }
         if parts.is_empty() {
-            return Ok(Self::FIXED);
+            // What does not turn does not remember a tolerance, but must not have one that is none.
+            return match tolerance {
+                None => Ok(Self::FIXED),
+                Some(tolerance) => Self::FIXED.with_tolerance(tolerance),
+            };
         }
         Self::of_parts(parts, tolerance, &[])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerances_without_parts_are_checked() {
+        let read = |tolerance| {
+            let parts = Vec::new();
+            Orientation::try_from(OrientationNumbers { parts, tolerance })
+        };
+        assert_eq!(read(None), Ok(Orientation::FIXED));
+        assert_eq!(read(Some(1e-3)), Ok(Orientation::FIXED));
+        assert_eq!(read(Some(5.0)), Err(Error::Tolerance { value: 5.0 }));
     }
 }

@@ -355,6 +355,16 @@ fn broken_covers_are_not_read() {
             assert_eq!(read(broken.clone()).is_ok(), allowed, "{broken}");
         }
     }
+    // What could not be read is not made either.
+    for field in ["overshoot", "diameter"] {
+        let mut large = good.clone();
+        large[field] = serde_json::Value::from(1e308);
+        let scaled = read(large).unwrap().scaled(10.0);
+        assert!(
+            matches!(scaled, Err(CoverError::Saved { .. })),
+            "{scaled:?}"
+        );
+    }
     for spheres in [
         serde_json::json!([]),
         serde_json::json!({"half_space": [0.0, 0.0, 1.0]}),
