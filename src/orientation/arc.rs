@@ -100,7 +100,7 @@ impl Arc {
             return self.rotation;
         }
         let half = 0.5 * (self.angle * ((time - self.time) / self.duration));
-        if half.is_infinite() {
+        if !half.is_finite() {
             // Nothing is known of the angle: any rotation is as good.
             return self.rotation;
         }

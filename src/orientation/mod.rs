@@ -320,8 +320,9 @@ impl Orientation {
     }
 
     /// Returns the rotation from the body's axes to those of the world at `time` (s): a unit
-    /// quaternion, good to a few roundings, and to 16 roundings of the angle of a spin. If that angle overflows f64, it is
-    /// some rotation.
+    /// quaternion, good to a few roundings, and to 16 roundings of the angle of a spin. Where an orientation between knots
+    /// goes on beyond them, for each duration of its first or last piece 256 roundings of a radian are added. If the angle
+    /// overflows f64, or the time is NaN, it is some rotation.
     #[must_use]
     pub fn rotation(&self, time: f64) -> DQuat {
         match &self.turning {

@@ -395,3 +395,14 @@ fn kept_pieces_are_those_made_anew() {
     }
     assert!(kept > 500, "{kept}");
 }
+
+/// At no time there is some rotation, whatever the orientation.
+#[test]
+fn rotations_at_nan_are_rotations() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    for kind in 0..36 {
+        let given = orientation(&mut rng, kind).0;
+        let rotation = Orientation::of(given).unwrap().rotation(f64::NAN);
+        assert!((rotation.length() - 1.0).abs() < 1e-15, "{rotation}");
+    }
+}
