@@ -113,8 +113,9 @@ impl PartialEq for Trajectory {
 impl Trajectory {
     /// Returns this motion with another rule for the time before and after its knots.
     ///
-    /// A body that is [`at_rest`](Self::at_rest) or only [coasts](Self::coasting) ignores the rule:
-    /// it keeps its motion for all time.
+    /// A motion with a single knot ignores the rule. A body that is [`at_rest`](Self::at_rest) or only
+    /// [coasts](Self::coasting) keeps its motion for all time. A [splice](Self::spliced) at the first knot may leave a single
+    /// one, with its rules: the old plan's before, and `Coast` after.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         if self.knots().len() > 1 {

@@ -3,7 +3,7 @@
 use super::build::{check_number, check_times, check_vector};
 use super::{Outside, Segment, StraightMotion, Trajectory};
 use crate::error::{Error, Quantity};
-use crate::rounding::{largest_norm, without_negative_zero};
+use crate::rounding::{UNDERFLOW, largest_norm, without_negative_zero};
 use bytemuck::cast_slice;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,11 @@ impl TryFrom<Numbers> for Trajectory {
         let Some(last) = knots.len().checked_sub(1) else {
             return Err(Error::TooFewStates { count: 0 });
         };
-        if segments.len() != last || (last == 0 && outside[1] == Outside::Absent) {
+        if last == 0 && outside[1] == Outside::Absent {
+            // It would exist at a single instant, or end where nothing but its end is known.
+            return Err(Error::TooFewStates { count: 1 });
+        }
+        if segments.len() != last {
             return Err(Error::SegmentCount {
                 knots: knots.len(),
                 segments: segments.len(),
@@ -78,7 +82,9 @@ impl TryFrom<Numbers> for Trajectory {
         ];
         for (knot, (segment, ends)) in (1..).zip(segments.iter().zip(knots.windows(2))) {
             // A piece may be any part of its cubic, also one beyond it.
-            segment.check_followable((ends[0], ends[1]), knot)?;
+            if ends[0] < segment.start() || ends[1] > segment.end() {
+                segment.check_followable((ends[0], ends[1]), knot)?;
+            }
         }
         let is_line = last == 0
             && outside == [Outside::Coast; 2]
@@ -146,9 +152,9 @@ impl Segment {
             (extent, error),
             knot,
         )?;
-        // The extent must bound the control points.
+        // The extent must bound the control points. Of subnormal ones the last digit is rounded, whatever it is worth.
         let farthest = largest_norm(&segment.control_points());
-        if farthest.is_nan() || extent < farthest * (1.0 - 8.0 * f64::EPSILON) {
+        if farthest.is_nan() || extent + UNDERFLOW < farthest * (1.0 - 8.0 * f64::EPSILON) {
             return Err(Error::Contradiction { knot });
         }
         Ok(segment)
@@ -158,4 +164,46 @@ impl Segment {
 /// Returns the vector that begins at a place.
 fn vector(numbers: &[f64; 16], place: usize) -> DVec3 {
     DVec3::from_slice(&numbers[place..])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use crate::trajectory::State;
+
+    /// Numbers at either end of the range, between which a cubic exists.
+    #[test]
+    fn plans_that_can_be_built_can_be_read() {
+        let far = [-3e299, 2.7e299].map(|x| x * DVec3::X);
+        let mut plans = vec![[
+            State::new(0.0, far[0], DVec3::ZERO),
+            State::new(1e3, far[1], DVec3::ZERO),
+        ]];
+        // Displacements of a few units of the smallest number.
+        for number in 1..200 {
+            let tiny = f64::from(number) * 5e-324;
+            let [x, y, z] = [1.0, 2.0, 3.0].map(|factor| factor * tiny);
+            plans.push([
+                State::new(0.0, DVec3::ZERO, DVec3::new(y, x, z)),
+                State::new(1.0, DVec3::new(x, y, z), DVec3::new(z, y, x)),
+            ]);
+        }
+        for states in plans {
+            let plan = Trajectory::from_states(&states).unwrap();
+            let text = serde_json::to_string(&plan).unwrap();
+            let read = serde_json::from_str::<Trajectory>(&text);
+            assert_eq!(read.unwrap(), plan, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_single_knot_is_no_end() {
+        let still = Trajectory::at_rest(DVec3::ZERO).unwrap();
+        let mut numbers = Numbers::from(still);
+        numbers.outside[1] = Outside::Absent;
+        let read = Trajectory::try_from(numbers);
+        assert_eq!(read, Err(Error::TooFewStates { count: 1 }));
+    }
 }
