@@ -227,11 +227,11 @@ pub enum Error {
     },
     /// The fit of a motion needs more knots than allowed.
     #[error(
-        "{limit} knots reach {time:?} s only: allow more knots or a larger tolerance, and check that the \
-         velocity is the derivative of the position"
+        "{limit} knots reach {time:?} s only: allow a larger tolerance, or more knots (max_knots) if the motion is given by \
+         a function, and check that its velocity is the derivative of its position"
     )]
     FitKnots {
-        /// Largest number of knots allowed.
+        /// Largest number of knots allowed; of polynomials, the largest number of knots between those given.
         limit: usize,
         /// The time up to which the motion was fitted, s.
         time: f64,

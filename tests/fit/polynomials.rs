@@ -2,7 +2,7 @@
 
 use dashu::rational::RBig;
 use nearmiss::glam::DVec3;
-use nearmiss::{Fit, TimeBase, Trajectory};
+use nearmiss::{Error, Fit, TimeBase, Trajectory};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -209,4 +209,33 @@ fn even_spacing_needs_almost_as_many_knots() {
             fit.knot_count()
         );
     }
+}
+
+/// Powers of a time that overflow do not count where they have no coefficient.
+#[test]
+fn low_degrees_have_no_high_powers() {
+    let still = [DVec3::ONE];
+    let knots = [0.0, 1e46];
+    let fit = Trajectory::fit_polynomials(&knots, &[still], TimeBase::SegmentLocal, 1e-3).unwrap();
+    assert_eq!(fit.knot_count(), 2);
+    assert!(fit.error() < 1e-12, "{}", fit.error());
+    let uniform = [1e-40 * DVec3::X, DVec3::ONE];
+    let fit =
+        Trajectory::fit_polynomials(&knots, &[uniform], TimeBase::SegmentLocal, 1e-3).unwrap();
+    assert_eq!(fit.knot_count(), 2);
+}
+
+/// The number of knots between all that are given has one limit; no velocity was told, and there is no option.
+#[test]
+fn the_limit_of_knots_is_named() {
+    let quintic = [1.875, -9.375, 12.5, 0.0, 0.0, 0.0].map(|c| c * DVec3::X);
+    let count = 4_000_u32;
+    let knots: Vec<f64> = (0..=count).map(|knot| 2.0 * f64::from(knot)).collect();
+    let all = vec![quintic; knots.len() - 1];
+    let fit = Trajectory::fit_polynomials(&knots, &all, TimeBase::SegmentLocal, 1e-10);
+    let Err(Error::FitKnots { limit, time }) = fit else {
+        panic!("{fit:?}");
+    };
+    assert_eq!(limit, 1_000_000);
+    assert!(time > 1.0 && time < 2.0 * f64::from(count));
 }

@@ -60,7 +60,15 @@ impl Trajectory {
             let added = times.len() - (knot + 1);
             let max_knots = (FitOptions::MAX_KNOTS + 2).saturating_sub(added);
             let error_of = |from, to| Ok(polynomial.reduced([from, to], tolerance).1);
-            let placed = place_knots(ends, tolerance, max_knots, error_of)?;
+            let placed = place_knots(ends, tolerance, max_knots, error_of);
+            let placed = placed.map_err(|error| match error {
+                // The knots between all that are given count.
+                Error::FitKnots { time, .. } => Error::FitKnots {
+                    limit: FitOptions::MAX_KNOTS,
+                    time,
+                },
+                other => other,
+            })?;
             error = error.max(placed.error);
             for pair in placed.knots.windows(2) {
                 cubics.push(polynomial.reduced([pair[0], pair[1]], tolerance).0);

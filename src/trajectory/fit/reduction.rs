@@ -36,6 +36,20 @@ impl PositionPolynomial {
         sizes.fold(0.0, |sum, size| sum * farthest + size)
     }
 
+    /// Returns the largest power of the time that the polynomial multiplies its coefficients by, up to `farthest` (s) from
+    /// the origin, and at least 1: what a product lost by underflow grows by no more.
+    fn largest_power(&self, farthest: f64) -> f64 {
+        let farthest = farthest.max(1.0);
+        let (mut power, mut largest) = (1.0, 1.0);
+        for coefficient in &self.coefficients {
+            if *coefficient != DVec3::ZERO {
+                largest = power;
+            }
+            power *= farthest;
+        }
+        largest
+    }
+
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s), and its
     /// error. It has the coefficients of t³, t², t, 1, with the time since the start of the part (m, s).
     ///
@@ -71,7 +85,10 @@ impl PositionPolynomial {
             ];
             let mut factor = square * square;
             for (coefficient, high) in from_fourth.into_iter().zip(&mut high) {
-                high[axis] = (coefficient * factor).rounded();
+                // A power that overflows has no meaning where it has no coefficient.
+                if coefficient.rounded().abs() > 0.0 {
+                    high[axis] = (coefficient * factor).rounded();
+                }
                 factor = factor * duration;
             }
             for (power, cubic) in powers.into_iter().zip(&mut cubic) {
@@ -86,7 +103,7 @@ impl PositionPolynomial {
         let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
             + Segment::EVALUATION * extent
             + DOUBLE_DOUBLE * self.size(farthest)
-            + UNDERFLOW * 64.0 * farthest.max(1.0).powi(7);
+            + UNDERFLOW * 64.0 * self.largest_power(farthest);
         let error = PieceError::of(remainder(high), rounding, tolerance);
         (cubic, error)
     }
