@@ -177,19 +177,14 @@ mod tests {
     #[test]
     fn plans_that_can_be_built_can_be_read() {
         let far = [-3e299, 2.7e299].map(|x| x * DVec3::X);
-        let mut plans = vec![[
-            State::new(0.0, far[0], DVec3::ZERO),
-            State::new(1e3, far[1], DVec3::ZERO),
-        ]];
-        // Displacements of a few units of the smallest number.
-        for number in 1..200 {
-            let tiny = f64::from(number) * 5e-324;
-            let [x, y, z] = [1.0, 2.0, 3.0].map(|factor| factor * tiny);
-            plans.push([
-                State::new(0.0, DVec3::ZERO, DVec3::new(y, x, z)),
-                State::new(1.0, DVec3::new(x, y, z), DVec3::new(z, y, x)),
-            ]);
-        }
+        let fast = 1.2e297 * DVec3::X;
+        let mut plans = vec![[State::new(0.0, far[0], fast), State::new(1e3, far[1], fast)]];
+        // A sum of two lengths that are rounded downward, and the length of the sum, which is rounded upward.
+        let tiny = DVec3::new(1.0, 1.0, 0.0) * f64::from_bits(1);
+        plans.push([
+            State::new(0.0, DVec3::ZERO, DVec3::ZERO),
+            State::new(3.0, tiny, -tiny),
+        ]);
         for states in plans {
             let plan = Trajectory::from_states(&states).unwrap();
             let text = serde_json::to_string(&plan).unwrap();
