@@ -2,7 +2,7 @@
 
 use super::form::{Round, SolidForm};
 use super::hull::convex_hull;
-use super::mesh::nearest_on_triangle;
+use super::nearest_point::{nearest_on_segment, nearest_on_triangle};
 use super::support::Support;
 use super::surface::{OrientedPlane, Surface, fan, is_closed};
 use crate::count::as_f64;
@@ -249,12 +249,6 @@ impl Round {
         let out = from_middle - self.axis * along;
         (along, out.normalize_or_zero(), out.length())
     }
-}
-
-pub(super) fn nearest_on_segment([from, to]: [DVec3; 2], at: DVec3) -> DVec3 {
-    let way = to - from;
-    let share = (at - from).dot(way) / way.length_squared().max(f64::MIN_POSITIVE);
-    from + way * share.clamp(0.0, 1.0)
 }
 
 /// Returns the half-space behind a polygon of a hull, moved inward until the whole polygon lies

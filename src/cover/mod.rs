@@ -68,6 +68,7 @@ mod form;
 mod hull;
 mod mesh;
 mod nearest;
+mod nearest_point;
 mod needless;
 mod options;
 mod points;

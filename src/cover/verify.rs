@@ -1,9 +1,9 @@
 //! A verdict on given spheres: do they contain a shape?
 
 use super::cells::CellScratch;
-use super::convex::nearest_on_segment;
 use super::error::CoverError;
 use super::form::SolidForm;
+use super::nearest_point::nearest_on_segment;
 use super::read::read;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
