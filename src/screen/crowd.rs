@@ -3,23 +3,14 @@
 //! Some bodies are asked which others come near, each in another part of its time if plans are long. Each body counts as
 //! its bounding sphere. So the answer takes about as long for clusters as for balls, and for long plans as for short ones.
 
-use super::one::{extremes_in, extremes_of, is_apart};
-use super::pair::push_all_conflicts;
-use super::prepared::lone_view;
-use super::solve::{PairQuestion, SolveScratch};
-use crate::accuracy::Accuracy;
+use super::one::AskedShape;
 use crate::conflict::Conflict;
 use crate::count::as_f64;
 use crate::error::{Crowd, Error};
-use crate::hitbox::Sphere;
 use crate::id::BodyId;
-use crate::narrow_phase::BodyView;
-use crate::parallel;
-use crate::rounding::exact_interval;
+use crate::query::Query;
 use crate::scene::{Body, Scene};
-use crate::spans::in_order;
 use crate::window::Window;
-use std::slice::from_ref;
 
 /// Bodies that are asked. A question takes as long as the scene has bodies.
 const SAMPLE: usize = 16;
@@ -69,43 +60,9 @@ impl Scene {
         window: Window,
         margin: f64,
     ) -> Option<Crowd> {
-        /// Bodies that one thread examines at a time.
-        const CHUNK: usize = 256;
-        let own = lone_view(body, window).ok()?;
-        let bounding = own.bounding;
-        let own = bounded(&own, &bounding);
-        let exact = exact_interval(window.ends());
-        let range = extremes_of(&own, exact);
-        let admits = |id: BodyId, other: &Body| {
-            id != own_id && body.layers.admits(other.layers) && !self.ignores(own_id, id)
-        };
-        let entries = self.entries();
-        let entries: Vec<_> = entries
-            .filter(|(id, entry)| admits(*id, &entry.body))
-            .collect();
-        let chunks: Vec<_> = entries.chunks(CHUNK).collect();
-        let found = parallel::map(chunks.len(), SolveScratch::default, |scratch, chunk| {
-            let mut found = Vec::new();
-            for &(id, entry) in chunks[chunk] {
-                let Ok(view) = lone_view(&entry.body, window) else {
-                    continue;
-                };
-                let reaches = [body.shape().reach(), entry.body.shape().reach(), margin];
-                if is_apart(&range, &extremes_in(entry, &view, exact), reaches) {
-                    continue;
-                }
-                let bounding = view.bounding;
-                let view = bounded(&view, &bounding);
-                let [(a, view_a), (b, view_b)] = in_order(((own_id, 0), &own), ((id, 0), &view));
-                let (views, asked) = ((view_a, view_b), (margin, Accuracy::Exact));
-                if let Some(question) = PairQuestion::of([a, b], views, asked, window.ends()) {
-                    push_all_conflicts(&question, scratch, &mut found);
-                }
-            }
-            found
-        });
-        let mut conflicts = found.concat();
-        conflicts.sort_by(Conflict::order);
+        let query = Query::new(window).with_margin(margin);
+        let asked = self.conflicts_of_one((own_id, body), &query, AskedShape::BoundingSphere);
+        let conflicts = asked.ok()?;
         let mut others: Vec<BodyId> = conflicts
             .iter()
             .filter_map(|one| one.other(own_id))
@@ -129,19 +86,6 @@ fn part_of(window: Window, number: usize, parts: usize) -> Option<Window> {
     };
     let part = Window::new(at(number), at(number + 1)).ok();
     part.filter(|part| part.is_closed())
-}
-
-/// Returns the view of a body whose only sphere is its bounding sphere. A half-space stays one.
-fn bounded<'v>(view: &BodyView<'v>, bounding: &'v Sphere) -> BodyView<'v> {
-    if view.is_half_space() {
-        return *view;
-    }
-    BodyView {
-        spheres: from_ref(bounding),
-        turning: None,
-        model_error: 0.0,
-        ..*view
-    }
 }
 
 /// Returns the first instant (s) at which most of some conflicts, sorted by their beginnings, last; `None` if there are none.

@@ -6,6 +6,7 @@ use super::solve::{PairQuestion, SolveScratch};
 use crate::bounds::DAabb;
 use crate::conflict::Conflict;
 use crate::error::Error;
+use crate::hitbox::Sphere;
 use crate::id::BodyId;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
@@ -14,9 +15,32 @@ use crate::rounding::{CLEARANCE, exact_interval};
 use crate::scene::{Body, BodyPlanRef, Scene, SceneEntry, planned};
 use crate::spans::in_order;
 use std::iter::once;
+use std::slice::from_ref;
 
 /// Bodies that one thread examines at a time.
 const CHUNK: usize = 256;
+
+/// The shape that bodies have in a question.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum AskedShape {
+    Hitbox,
+    /// One sphere, with the model error. A half-space stays one.
+    BoundingSphere,
+}
+
+impl AskedShape {
+    fn of<'v>(self, view: BodyView<'v>, bounding: &'v Sphere) -> BodyView<'v> {
+        match self {
+            Self::BoundingSphere if !view.is_half_space() => BodyView {
+                spheres: from_ref(bounding),
+                turning: None,
+                model_error: 0.0,
+                ..view
+            },
+            Self::Hitbox | Self::BoundingSphere => view,
+        }
+    }
+}
 
 impl Scene {
     /// Returns all conflicts of a body that is not in the scene with those that are, within the
@@ -50,7 +74,7 @@ impl Scene {
     /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::InBody`] with [`Error::TurningHalfSpace`];
     /// [`Error::SceneFull`].
     pub fn conflicts_with(&self, body: &Body, query: &Query) -> Result<Vec<Conflict>, Error> {
-        self.conflicts_of_one((self.next_id()?, body), query)
+        self.conflicts_of_one((self.next_id()?, body), query, AskedShape::Hitbox)
     }
 
     /// Returns all conflicts that a body would have with the others if it followed another plan, within the query's window
@@ -99,7 +123,7 @@ impl Scene {
         if let Some(orientation) = plan.orientation {
             changed.orientation.clone_from(orientation);
         }
-        self.conflicts_of_one((id, &changed), query)
+        self.conflicts_of_one((id, &changed), query, AskedShape::Hitbox)
     }
 
     /// Returns all conflicts of a body with those of the scene that have another id.
@@ -107,6 +131,7 @@ impl Scene {
         &self,
         (own_id, body): (BodyId, &Body),
         query: &Query,
+        shape: AskedShape,
     ) -> Result<Vec<Conflict>, Error> {
         let margin = checked_margin(query)?;
         let entries: Vec<_> = self.entries().filter(|&(id, _)| id != own_id).collect();
@@ -122,6 +147,8 @@ impl Scene {
             Some(_) => error.with_id(own_id),
             None => error,
         })?;
+        let bounding = own.bounding;
+        let own = shape.of(own, &bounding);
         // What happens within a rounding of an end is reported at the end.
         let exact = exact_interval(window.ends());
         let range = extremes_of(&own, exact);
@@ -138,6 +165,8 @@ impl Scene {
                 if !admits || is_far() {
                     continue;
                 }
+                let bounding = view.bounding;
+                let view = shape.of(view, &bounding);
                 let (own_name, name) = ((own_id, body.tag), (id, other.tag));
                 let [(a, view_a), (b, view_b)] = in_order((own_name, &own), (name, &view));
                 let (views, asked) = ((view_a, view_b), (margin, query.accuracy()));
@@ -155,7 +184,7 @@ impl Scene {
 }
 
 /// Returns a box around a body's motion between two instants (s), m; to rounding.
-pub(super) fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) -> DAabb {
+fn extremes_in(entry: &SceneEntry, view: &BodyView<'_>, interval: (f64, f64)) -> DAabb {
     if view.knots.has_unlisted_cubics() || !entry.body.trajectory.straight_motions().is_empty() {
         extremes_of(view, interval)
     } else {
