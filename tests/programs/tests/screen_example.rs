@@ -427,7 +427,7 @@ fn packed_or_not_and_standard_input() {
     }
 }
 
-/// What is packed otherwise is told by its first bytes, whatever its name.
+/// A file that is packed in another way is told by its first bytes, whatever its name.
 #[test]
 fn other_packings_are_named() {
     let gzip = |content: &[u8]| {
