@@ -166,13 +166,7 @@ fn count_ticks(course: Course) -> u64 {
         let body = nearmiss::Body::new(trajectory.clone()).with_hitbox(hitbox);
         plans.push((scene.insert(body).unwrap(), trajectory));
     }
-    let levels = [
-        AlertLevel {
-            margin: 3.0,
-            release: 3.5,
-        },
-        AlertLevel::at(0.0),
-    ];
+    let levels = [AlertLevel::at(3.0).with_release(3.5), AlertLevel::at(0.0)];
     let mut monitor = Monitor::new(scene, 0.0, 5.0, &levels).unwrap();
     let mut events = Vec::new();
     // Up to seven slices of 1.25 s are in use, each with its own buffers: after 70 s all of them

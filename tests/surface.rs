@@ -102,22 +102,15 @@ fn states_from_vectors_of_other_libraries() {
 
 #[test]
 fn what_a_monitor_was_told() -> Result<(), Error> {
-    let levels = [
-        AlertLevel::at(3.0),
-        AlertLevel {
-            margin: 1.0,
-            release: 2.0,
-        },
-    ];
+    let levels = [AlertLevel::at(3.0), AlertLevel::at(1.0).with_release(2.0)];
     let mut scene = Scene::new();
     scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
     let mut monitor = Monitor::new(scene, 5.0, 7.5, &levels)?;
     assert_eq!((monitor.lookahead(), monitor.levels()), (7.5, &levels[..]));
     assert_eq!(monitor.max_spans(), Monitor::MAX_SPANS);
-    let revision_threshold = RevisionThreshold {
-        time: 0.25,
-        separation: 0.5,
-    };
+    let revision_threshold = RevisionThreshold::default()
+        .with_time(0.25)
+        .with_separation(0.5);
     monitor.set_history(3.0)?;
     monitor.set_max_spans(77);
     monitor.set_revision_threshold(revision_threshold)?;

@@ -343,7 +343,11 @@ fn what_a_monitor_refuses() {
 
     let mut monitor = Monitor::new(scene, 0.0, 5.0, &levels).unwrap();
     for value in [f64::NAN, -1.0, f64::NEG_INFINITY] {
-        let least = |time, separation| RevisionThreshold { time, separation };
+        let least = |time, separation| {
+            RevisionThreshold::default()
+                .with_time(time)
+                .with_separation(separation)
+        };
         for refused in [
             monitor.set_history(value),
             monitor.set_revision_threshold(least(value, 0.0)),

@@ -210,7 +210,7 @@ const MONITORS: &[(Attempt, &str)] = &[
      "2.0 s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
       count time from an epoch near your data"),
     // A release that is counted from the margin.
-    (|| done(Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel { margin: 20.0, release: 1.0 }])?),
+    (|| done(Monitor::new(Scene::new(), 0.0, 2.0, &[AlertLevel::at(20.0).with_release(1.0)])?),
      "alert level 0: margin 20.0 m, release 1.0 m: an encounter begins at the margin and ends beyond the release, so give \
       a release of at least the margin, both within ±1e300"),
     (|| {
@@ -273,11 +273,11 @@ const MONITORS: &[(Attempt, &str)] = &[
     }, "there is no alert level 5: levels count from 0, in the order given to Monitor::new"),
     (|| done(monitor().0.set_history(-1.0)?), "history: -1.0 is not a number of at least 0"),
     (|| {
-        let threshold = RevisionThreshold { time: -1.0, separation: 0.0 };
+        let threshold = RevisionThreshold::default().with_time(-1.0).with_separation(0.0);
         done(monitor().0.set_revision_threshold(threshold)?)
     }, "revision threshold, time: -1.0 is not a number of at least 0"),
     (|| {
-        let threshold = RevisionThreshold { time: 0.0, separation: f64::NAN };
+        let threshold = RevisionThreshold::default().with_time(0.0).with_separation(f64::NAN);
         done(monitor().0.set_revision_threshold(threshold)?)
     }, "revision threshold, separation: NaN is not a number of at least 0"),
 ];

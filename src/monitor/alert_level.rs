@@ -14,7 +14,7 @@
 /// use nearmiss::{AlertLevel, Body, Monitor, Scene, Trajectory};
 ///
 /// // A caution at 50 m; an alarm at 10 m, which is over beyond 12 m.
-/// let levels = [AlertLevel::at(50.0), AlertLevel { margin: 10.0, release: 12.0 }];
+/// let levels = [AlertLevel::at(50.0), AlertLevel::at(10.0).with_release(12.0)];
 /// let mut monitor = Monitor::new(Scene::new(), 0.0, 10.0, &levels)?;
 /// for x in [0.0, 30.0] {
 ///     monitor.insert(Body::new(Trajectory::at_rest(x * DVec3::X)?))?;
@@ -25,6 +25,7 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct AlertLevel {
     /// Separation at which an encounter begins, m. A negative one asks for overlaps of that depth.
     pub margin: f64,
@@ -37,13 +38,20 @@ impl AlertLevel {
     /// Returns a level whose encounters begin and end at one margin (m).
     ///
     /// States that are [told](crate::Monitor::track) in `f32` are off by another rounding each time. Two bodies that
-    /// stay at the margin then begin and end encounters again and again: set `release` above the margin there.
+    /// stay at the margin then begin and end encounters again and again: [`with_release`](Self::with_release) prevents that.
     #[must_use]
     pub const fn at(margin: f64) -> Self {
         Self {
             margin,
             release: margin,
         }
+    }
+
+    /// Returns the level with another [`release`](Self::release), m.
+    #[must_use]
+    pub const fn with_release(mut self, release: f64) -> Self {
+        self.release = release;
+        self
     }
 
     /// Returns true if encounters end at another margin than they begin at.

@@ -13,8 +13,12 @@
 /// closest approach at another time is reported if the separation at the time reported before exceeds the new least
 /// separation by more than the threshold. With 0 every change is reported. Exception: the nearest point of an open
 /// encounter changes each tick while it lies at the end of the known time. It is reported once a lookahead at most.
+///
+/// Any values can be held: [`Monitor::set_revision_threshold`](crate::Monitor::set_revision_threshold) refuses NaN and
+/// numbers below 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RevisionThreshold {
     /// Change of enter, exit and the time of closest approach, s; 1e-9 by default.
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
@@ -31,5 +35,21 @@ impl Default for RevisionThreshold {
             time: 1e-9,
             separation: 1e-9,
         }
+    }
+}
+
+impl RevisionThreshold {
+    /// Returns the threshold with another [`time`](Self::time), s.
+    #[must_use]
+    pub const fn with_time(mut self, time: f64) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// Returns the threshold with another [`separation`](Self::separation), m.
+    #[must_use]
+    pub const fn with_separation(mut self, separation: f64) -> Self {
+        self.separation = separation;
+        self
     }
 }

@@ -10,13 +10,7 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::ops::Range;
 
-const LEVELS: [AlertLevel; 2] = [
-    AlertLevel {
-        margin: 2.0,
-        release: 3.0,
-    },
-    AlertLevel::at(0.5),
-];
+const LEVELS: [AlertLevel; 2] = [AlertLevel::at(2.0).with_release(3.0), AlertLevel::at(0.5)];
 
 fn body(rng: &mut ChaCha8Rng, now: f64) -> Body {
     let plan = if rng.random_bool(0.2) {

@@ -136,7 +136,10 @@ fn a_budget_delays_what_is_told_and_changes_none_of_it() {
         let (scene, ids) = world.scene(&mut rng);
         let margin: f64 = rng.random_range(0.0..2.0);
         let release = margin + rng.random_range(0.0..2.0);
-        let levels = [AlertLevel { margin, release }, AlertLevel::at(0.0)];
+        let levels = [
+            AlertLevel::at(margin).with_release(release),
+            AlertLevel::at(0.0),
+        ];
         let lookahead = [0.05, 0.5, 1.0, 3.0][rng.random_range(0..4)];
         let monitor_of = |scene| {
             with_every_change(Monitor::new(scene, world.start, lookahead, &levels).unwrap())
@@ -174,10 +177,7 @@ fn a_budget_delays_what_is_told_and_changes_none_of_it() {
     assert!(begun > 1000, "{begun}");
 }
 
-const LEVEL: AlertLevel = AlertLevel {
-    margin: 2.0,
-    release: 2.5,
-};
+const LEVEL: AlertLevel = AlertLevel::at(2.0).with_release(2.5);
 
 /// Advances to `now` as often as it takes to know all; returns how often that was. What is known up to
 /// then is never taken back, and all that a screening finds there.

@@ -139,10 +139,7 @@ fn shell(count: u32) -> Hitbox {
 /// pairs of spheres are the nearest ones at some time.
 #[test]
 fn few_pairs_of_spheres_are_kept_of_coasting_clusters() {
-    let level = AlertLevel {
-        margin: 0.0,
-        release: 3.0,
-    };
+    let level = AlertLevel::at(0.0).with_release(3.0);
     let mut scene = Scene::new();
     let places = [DVec3::ZERO, DVec3::new(-14.0, 1.9, 0.3)];
     for (place, velocity) in places.into_iter().zip([DVec3::ZERO, DVec3::X * 7.0]) {

@@ -124,10 +124,8 @@ fn a_distance_that_stays_the_same_as_a_body_turns_is_no_event() {
         let id = scene.insert(turns.with_orientation(spin)).unwrap();
         let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(3.0)]).unwrap();
         if is_told {
-            let threshold = RevisionThreshold {
-                separation: 2e-3 * off_axis.offset.length(),
-                ..RevisionThreshold::default()
-            };
+            let threshold =
+                RevisionThreshold::default().with_separation(2e-3 * off_axis.offset.length());
             monitor.set_revision_threshold(threshold).unwrap();
         }
         let mut count = 0;

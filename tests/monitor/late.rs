@@ -21,10 +21,7 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-const LEVEL: AlertLevel = AlertLevel {
-    margin: 1.5,
-    release: 2.0,
-};
+const LEVEL: AlertLevel = AlertLevel::at(1.5).with_release(2.0);
 
 /// From the origin at a time (s) on, to 30 s.
 fn away(time: f64, velocity: DVec3) -> Trajectory {

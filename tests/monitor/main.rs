@@ -46,10 +46,7 @@ use support::{bits, rng, vector, wander, with_every_change};
 
 const LEVELS: [AlertLevel; 3] = [
     AlertLevel::at(4.0),
-    AlertLevel {
-        margin: 1.0,
-        release: 2.0,
-    },
+    AlertLevel::at(1.0).with_release(2.0),
     AlertLevel::at(-0.1),
 ];
 

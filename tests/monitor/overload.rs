@@ -12,10 +12,7 @@ use nearmiss::{
 };
 use rand::rngs::ChaCha8Rng;
 
-const LEVEL: AlertLevel = AlertLevel {
-    margin: 2.0,
-    release: 2.5,
-};
+const LEVEL: AlertLevel = AlertLevel::at(2.0).with_release(2.5);
 const LOOKAHEAD: f64 = 2.0;
 /// Half the width of the room that the balls fly in, m.
 const HALF: f64 = 20.0;

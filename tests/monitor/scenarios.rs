@@ -87,10 +87,7 @@ fn how_near_bodies_come_that_close_in_for_long_is_told_once_a_lookahead() {
     let mut revised = Vec::new();
     for now in 1..=120 {
         if now == 81 {
-            let least = RevisionThreshold {
-                separation: 1.5,
-                ..RevisionThreshold::default()
-            };
+            let least = RevisionThreshold::default().with_separation(1.5);
             monitor.set_revision_threshold(least).unwrap();
         }
         for event in tick(&mut monitor, f64::from(now)) {
@@ -214,10 +211,7 @@ fn hysteresis_keeps_an_encounter_that_hovers() {
     let hover = Trajectory::from_states(&states).unwrap();
     let post = line(0.0, 100.0, DVec3::ZERO, DVec3::ZERO);
     let count = |release: f64| {
-        let level = AlertLevel {
-            margin: 2.0,
-            release,
-        };
+        let level = AlertLevel::at(2.0).with_release(release);
         let (mut monitor, ..) = two(hover.clone(), post.clone(), &[level]);
         let mut began = 0;
         let mut ended = 0;
@@ -238,10 +232,9 @@ fn hysteresis_keeps_an_encounter_that_hovers() {
 fn two_with_coarse_revisions() -> (Monitor, BodyId) {
     let (a, b) = head_on();
     let (mut monitor, id, _) = two(a, b, &[AlertLevel::at(2.0)]);
-    let revision_threshold = RevisionThreshold {
-        time: 0.1,
-        separation: 0.1,
-    };
+    let revision_threshold = RevisionThreshold::default()
+        .with_time(0.1)
+        .with_separation(0.1);
     monitor.set_revision_threshold(revision_threshold).unwrap();
     (monitor, id)
 }
@@ -474,7 +467,7 @@ fn a_release_margin_next_to_the_margin_loses_no_encounter() {
     }
     let margin = 0.3;
     for release in [margin, 0.1 + 0.2, margin * (1.0 + 1e-15)] {
-        let level = AlertLevel { margin, release };
+        let level = AlertLevel::at(margin).with_release(release);
         let mut monitor =
             with_every_change(Monitor::new(scene.clone(), 0.0, 10.0, &[level]).unwrap());
         let reported = tick(&mut monitor, 0.0);

@@ -8,13 +8,7 @@ use nearmiss::{
     Scene, State, Trajectory,
 };
 
-const LEVELS: [AlertLevel; 2] = [
-    AlertLevel::at(1.0),
-    AlertLevel {
-        margin: 2.0,
-        release: 3.0,
-    },
-];
+const LEVELS: [AlertLevel; 2] = [AlertLevel::at(1.0), AlertLevel::at(2.0).with_release(3.0)];
 
 fn scene(seed: u64) -> (Scene, Vec<BodyId>) {
     let (mut rng, mut scene) = (rng(seed), Scene::new());

@@ -15,13 +15,8 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use std::collections::BTreeMap;
 
-pub(super) const LEVELS: [AlertLevel; 2] = [
-    AlertLevel {
-        margin: 3.0,
-        release: 3.5,
-    },
-    AlertLevel::at(0.5),
-];
+pub(super) const LEVELS: [AlertLevel; 2] =
+    [AlertLevel::at(3.0).with_release(3.5), AlertLevel::at(0.5)];
 pub(super) const LOOKAHEAD: f64 = 2.0;
 const CUBE: f64 = 12.0;
 const BODIES: u64 = 40;

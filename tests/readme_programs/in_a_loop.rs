@@ -7,7 +7,7 @@ fn main() -> Result<(), Error> {
         let body = Body::new(Trajectory::coasting(start)?).with_hitbox(Hitbox::sphere(1.0)?).with_tag(tag);
         balls.push((scene.insert(body)?, start));
     }
-    let contact = AlertLevel { margin: 0.0, release: 0.05 }; // begins at a separation of 0 m, ends above 5 cm
+    let contact = AlertLevel::at(0.0).with_release(0.05); // begins at a separation of 0 m, ends above 5 cm
     let mut monitor = Monitor::new(scene, 0.0, 2.0, &[contact])?; // at 0 s, 2 s ahead
     let mut events = Vec::new();
     for now in (1..180).map(|frame| f64::from(frame) / 60.0) {

@@ -39,10 +39,9 @@ pub(crate) fn exceeded<T>(done: Result<T, Error>) -> Option<usize> {
 
 /// A monitor that reports every change of an encounter, those of rounding included.
 pub(crate) fn with_every_change(mut monitor: Monitor) -> Monitor {
-    let every = RevisionThreshold {
-        time: 0.0,
-        separation: 0.0,
-    };
+    let every = RevisionThreshold::default()
+        .with_time(0.0)
+        .with_separation(0.0);
     monitor.set_revision_threshold(every).unwrap();
     monitor
 }

@@ -397,10 +397,7 @@ fn a_margin_below_the_radii_is_the_same_for_all_callers() {
         let asked = one.conflicts_with(&body, &query).unwrap();
         assert_eq!(found, asked, "{margin}");
         let level = AlertLevel::at(margin);
-        let released = AlertLevel {
-            release: 0.0,
-            ..level
-        };
+        let released = level.with_release(0.0);
         for levels in [&[level][..], &[released], &[level, AlertLevel::at(0.0)]] {
             let monitor_of = |scene: &Scene| {
                 let mut monitor = Monitor::new(scene.clone(), 0.0, 1.0, levels).unwrap();

@@ -25,10 +25,9 @@ use support::{rng, wander};
 #[test]
 fn revision_thresholds_come_back() {
     for separation in [0.0, 0.25, f64::INFINITY] {
-        let least = RevisionThreshold {
-            time: 1e-9,
-            separation,
-        };
+        let least = RevisionThreshold::default()
+            .with_time(1e-9)
+            .with_separation(separation);
         let text = serde_json::to_string(&least).unwrap();
         assert_eq!(
             serde_json::from_str::<RevisionThreshold>(&text).unwrap(),

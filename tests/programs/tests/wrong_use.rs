@@ -279,7 +279,7 @@ const CALLS: &[(Attempt, &str)] = &[
     (|| done(Monitor::new(pair().0, 0.0, 0.0, &[AlertLevel::at(1.0)])?),
      "0.0 s is not a usable lookahead: give a positive number up to 1e300; if it is lost in the rounding of the clock, \
       count time from an epoch near your data"),
-    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[AlertLevel { margin: 2.0, release: 1.0 }])?),
+    (|| done(Monitor::new(pair().0, 0.0, 5.0, &[AlertLevel::at(2.0).with_release(1.0)])?),
      "alert level 0: margin 2.0 m, release 1.0 m: an encounter begins at the margin and ends beyond the release, so give \
       a release of at least the margin, both within ±1e300"),
     (|| done(monitor().0.advance(0.0, &mut Vec::new())?),

@@ -187,7 +187,7 @@ fn monitors() {
         |(bodies, now, lookahead, levels, steps)| {
             let levels: Vec<AlertLevel> = levels
                 .into_iter()
-                .map(|(margin, release)| AlertLevel { margin, release })
+                .map(|(margin, release)| AlertLevel::at(margin).with_release(release))
                 .collect();
             let Ok(mut monitor) = Monitor::new(scene_of(bodies), now, lookahead, &levels) else {
                 return false;

@@ -77,13 +77,7 @@ fn monitor(rng: &mut ChaCha8Rng, count: usize, lookahead: f64) -> Monitor {
         .unwrap();
     scene.ignore_pair(ids[0], ids[1]).unwrap();
     scene.remove(ids[2]).unwrap();
-    let levels = [
-        AlertLevel {
-            margin: 2.0,
-            release: 2.5,
-        },
-        AlertLevel::at(0.0),
-    ];
+    let levels = [AlertLevel::at(2.0).with_release(2.5), AlertLevel::at(0.0)];
     with_every_change(Monitor::new(scene, 0.0, lookahead, &levels).unwrap())
 }
 
@@ -117,10 +111,11 @@ fn change(monitor: &mut Monitor, rng: &mut ChaCha8Rng) -> bool {
         3 if ids.len() > 6 => drop(monitor.unignore_pair(ids[3], ids[4])),
         4 => monitor.set_history(rng.random_range(0.0..3.0)).unwrap(),
         5 => monitor
-            .set_revision_threshold(RevisionThreshold {
-                time: 0.1,
-                separation: f64::INFINITY,
-            })
+            .set_revision_threshold(
+                RevisionThreshold::default()
+                    .with_time(0.1)
+                    .with_separation(f64::INFINITY),
+            )
             .unwrap(),
         6 => monitor.set_max_spans(rng.random_range(5_000..9_000)),
         7 => return true,
