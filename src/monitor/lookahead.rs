@@ -243,7 +243,7 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
-        let have_many_changed = self.have_many_changed(scene, lookahead);
+        let have_many_changed = self.have_many_changed(scene, lookahead, lookahead.0 - from);
         let changed = (self.has_changed(), have_many_changed);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);

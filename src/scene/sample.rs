@@ -33,7 +33,10 @@ impl Scene {
             let plan = &entry.body.trajectory;
             if let [first, .., last] = *plan.piece_knots() {
                 let within = (to.min(last) - from.max(first)).max(0.0);
-                cubics += as_f64(plan.cubics().len()) * (within / (last - first));
+                let listed = as_f64(plan.cubics().len());
+                // A part of one takes as long as one.
+                let least = if within > 0.0 { listed.min(1.0) } else { 0.0 };
+                cubics += (listed * (within / (last - first))).max(least);
             }
             count += 1.0;
         }

@@ -105,6 +105,31 @@ fn a_step_over_what_is_known_keeps_it() {
     is_as_screened(&monitor, LEVEL);
 }
 
+/// Where the clock passes a slice or more of a lookahead with each tick, kept boxes do not pay: a tick searches from nothing.
+#[test]
+fn a_lookahead_of_a_frame_is_searched_from_nothing() {
+    const BODIES: u32 = 300;
+    const FRAME: f64 = 1.0 / 60.0;
+    for (frames, most) in [(0.5, 4), (1.0, 3), (2.0, 2), (3.0, 2)] {
+        let mut rng = rng(19);
+        let mut scene = Scene::new();
+        for _ in 0..BODIES {
+            let states = wander(&mut rng, 0.0, 12, 1.0, 200.0, 20.0);
+            let plan = Trajectory::from_states(&states).unwrap();
+            scene.insert(Body::new(plan)).unwrap();
+        }
+        let monitor = Monitor::new(scene, 0.0, frames * FRAME, &[LEVEL]).unwrap();
+        let mut monitor = with_every_change(monitor);
+        for frame in 0..40 {
+            tick(&mut monitor, f64::from(frame) * FRAME);
+            let boxes = monitor.stats().boxes;
+            let is_few = boxes <= most * u64::from(BODIES);
+            assert!(frame < 10 || is_few, "{frames} {frame} {boxes}");
+        }
+        is_as_screened(&monitor, LEVEL);
+    }
+}
+
 /// Slices that suit bodies at rest, or an empty scene, do not suit what becomes of them; nor do those
 /// of fast bodies when they have come to rest.
 #[test]
