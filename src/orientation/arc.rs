@@ -94,6 +94,11 @@ impl Arc {
         self.angle <= 0.0
     }
 
+    /// Returns the duration (s) in which rounding takes up a quarter of a tolerance; may be infinite.
+    pub(super) fn known_for(&self, tolerance: f64) -> f64 {
+        0.25 * tolerance / self.drift * self.duration
+    }
+
     /// Returns the rotation at an instant (s).
     pub(super) fn at(&self, time: f64) -> DQuat {
         if self.is_held() {

@@ -58,8 +58,10 @@ impl RotationPiece {
             // have millions of cuts.
             let is_known = arc.angle <= MAX_SPEED * arc.duration;
             let steps = tolerances.map(|tolerance| {
-                // Rates that differ by rounding have the same cuts.
-                short_of(revolution / parts_of_revolution(tolerance))
+                // Rates that differ by rounding have the same cuts. Of a slow rotation a part of a revolution would end
+                // when rounding has long hidden it: then nothing would be known from its beginning on.
+                let share = short_of(revolution / parts_of_revolution(tolerance));
+                share.min(arc.known_for(tolerance))
             });
             Cuts::Steps(arc.time, if is_known { steps } else { [0.0; 2] })
         };

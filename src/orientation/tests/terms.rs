@@ -95,6 +95,42 @@ fn rounding_of_what_goes_on() {
     }
 }
 
+/// Returns the rotations at 0 and 1 s that go on beyond, as either kind of interpolation.
+fn going_on(first: DQuat, second: DQuat) -> [GivenRotation; 2] {
+    let (knots, outside) = (vec![(0.0, first), (1.0, second)], Outside::Coast);
+    [
+        GivenRotation::Slerp {
+            knots: knots.clone(),
+            outside,
+        },
+        GivenRotation::NormalizedCubic { knots, outside },
+    ]
+}
+
+/// However slowly bodies turn, what is known of them at the last knot is known for some time.
+#[test]
+fn slow_rotations_are_known_beyond_their_knots() {
+    let mut rng = ChaCha8Rng::seed_from_u64(29);
+    for exponent in 5..16 {
+        let first = rotation(&mut rng).normalize();
+        let turn = DQuat::from_scaled_axis(vector(&mut rng, 10f64.powi(-exponent)));
+        for given in going_on(first, (turn * first).normalize()) {
+            let orientation = Orientation::of(given.clone()).unwrap();
+            let turning = orientation.turning().unwrap();
+            for (accuracy, tolerance) in [(Accuracy::Exact, 1e-3), (Accuracy::Certified, 1e-6)] {
+                for time in [-1e5, -0.5, 1.5, 1e5] {
+                    let section = turning.section_at(time, accuracy);
+                    let baked = turning.bake(&section, accuracy);
+                    let error = baked.error();
+                    assert!(error < 2.0 * tolerance, "1e-{exponent} {time}: {error}");
+                    let ends = (time, time + 0.25);
+                    check(&baked.part(ends), ends, &given);
+                }
+            }
+        }
+    }
+}
+
 /// Hardly anything turns: what is left is rounding.
 #[test]
 fn rounding_of_cubics_of_quaternions() {
