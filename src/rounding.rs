@@ -30,6 +30,7 @@
 //! | errors of turning centres, in radii and in enclosures | `narrow_phase/clusters` | `tests/half_space` `turning`, `tests/turning` |
 //! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
 //! | rounding of a spin that grows with time | `orientation/arc` | `orientation::tests::what_rounding_hides_is_unknown` |
+//! | of rates beyond knots, also of those rounded to nothing | `orientation/arc`, `given` | `terms::{rounding_of_what_goes_on, rotations_that_differ_by_rounding_go_on}` |
 //! | rounding of rotations, of their parts, of points, and of what goes on after knots | `orientation` | `orientation::tests::terms` |
 //! | cubics of quaternions that vanish | `orientation/quaternion_cubic` | `terms::cubics_that_vanish_are_unknown` |
 //! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |

@@ -63,20 +63,23 @@ impl Arc {
         let turn = to * from.conjugate();
         let vector = DVec3::new(turn.x, turn.y, turn.z);
         let sine = vector.length();
-        if sine < f64::MIN_POSITIVE {
-            return Self::held(from);
-        }
-        Self {
+        let still = Self {
             time: start,
             duration: end - start,
+            ..Self::held(from)
+        };
+        if sine < f64::MIN_POSITIVE {
+            return still;
+        }
+        Self {
             axis: vector / sine,
             angle: 2.0 * libm::atan2(sine, turn.w),
-            ..Self::held(from)
+            ..still
         }
     }
 
     /// Returns the motion that goes on at this rate from an instant (s) at which it has this
-    /// rotation.
+    /// rotation. A rate that is rounded to nothing may be none, so that the rotation is known less and less.
     pub(super) fn going_on(&self, time: f64, rotation: DQuat) -> Self {
         // Per unit of time, the angle is known to 64 roundings, and takes 13 more. Rotations by one angle
         // differ by at most that angle times the angle between their axes. An axis is known to 25 roundings
@@ -91,7 +94,7 @@ impl Arc {
     }
 
     pub(super) fn is_held(&self) -> bool {
-        self.angle <= 0.0
+        self.angle <= 0.0 && self.drift <= 0.0
     }
 
     /// Returns the duration (s) in which rounding takes up a quarter of a tolerance; may be infinite.

@@ -72,14 +72,17 @@ impl GivenRotation {
                 let arc = spin_arc(*time, *rotation, *angular_velocity)?;
                 Ok(vec![RotationPiece::forever(arc, tolerances)])
             }
-            Self::Slerp { knots, outside } => {
-                let knots = checked_knots(knots)?;
+            Self::Slerp {
+                knots: given,
+                outside,
+            } => {
+                let knots = checked_knots(given)?;
                 let arcs = knots.windows(2).map(|ends| {
                     let [(start, from), (end, to)] = [ends[0], ends[1]];
                     Arc::between((start, end), from, to)
                 });
                 let arcs: Vec<Arc> = arcs.collect();
-                let ends = [arcs.first(), arcs.last()].map(|arc| arc.copied());
+                let ends = turning_ends(given, [arcs.first(), arcs.last()].map(|arc| arc.copied()));
                 let turn = arcs.iter().zip(knots.windows(2)).map(|(arc, ends)| {
                     let counts =
                         tolerances.map(|share| part_count(arc.angle / angle_within(share)));
@@ -93,8 +96,11 @@ impl GivenRotation {
                     tolerances,
                 ))
             }
-            Self::NormalizedCubic { knots, outside } => {
-                let knots = checked_knots(knots)?;
+            Self::NormalizedCubic {
+                knots: given,
+                outside,
+            } => {
+                let knots = checked_knots(given)?;
                 let cubics = cubics(&knots);
                 let turn = cubics.iter().enumerate().map(|(number, cubic)| {
                     let mut counts = [0; 2];
@@ -113,6 +119,7 @@ impl GivenRotation {
                     cubics.first().map(|cubic| rate_at_end(cubic, 0)),
                     cubics.last().map(|cubic| rate_at_end(cubic, 1)),
                 ];
+                let ends = turning_ends(given, ends);
                 Ok(with_ends(turn, &knots, ends, *outside, tolerances))
             }
         }
@@ -132,20 +139,37 @@ fn rate_at_end(cubic: &QuaternionCubic, end: usize) -> Arc {
     let velocity = cubic.end_velocities()[end];
     let angle = norm(velocity);
     let (start, finish) = cubic.ends;
-    let held = Arc::held(DQuat::IDENTITY);
+    let still = Arc {
+        duration: finish - start,
+        ..Arc::held(DQuat::IDENTITY)
+    };
     if angle < f64::MIN_POSITIVE {
-        return held;
+        return still;
     }
     Arc {
-        duration: finish - start,
         axis: velocity / angle,
         angle,
-        ..held
+        ..still
     }
 }
 
+/// Returns the rates at the first and last knot, without one where the two rotations given there are one. Others may
+/// be equal when they are normalised, and still differ.
+fn turning_ends(given: &[(f64, DQuat)], rates: [Option<Arc>; 2]) -> [Option<Arc>; 2] {
+    let last = given.len().saturating_sub(2);
+    let is_still = |first: usize| match given.get(first..first + 2) {
+        Some(&[(_, one), (_, other)]) => one == other || one == -other,
+        _ => true,
+    };
+    let [before, after] = rates;
+    [
+        before.filter(|_| !is_still(0)),
+        after.filter(|_| !is_still(last)),
+    ]
+}
+
 /// Adds what comes before and after the knots: the rotation there is held, or goes on at the rate
-/// of the first and last piece.
+/// of the first and last piece, if there is one.
 fn with_ends(
     turn: Vec<RotationPiece>,
     knots: &[(f64, DQuat)],
@@ -158,9 +182,7 @@ fn with_ends(
     };
     let end = |(time, rotation): (f64, DQuat), rate: Option<Arc>| {
         let arc = match (outside, rate) {
-            (Outside::Extrapolate | Outside::Coast, Some(rate)) if !rate.is_held() => {
-                rate.going_on(time, rotation)
-            }
+            (Outside::Extrapolate | Outside::Coast, Some(rate)) => rate.going_on(time, rotation),
             _ => Arc::held(rotation),
         };
         RotationPiece::forever(arc, tolerances)

@@ -165,6 +165,10 @@ impl Orientation {
     /// velocity that it has at the first or last knot. If that is above 1e6 rad/s (knots almost at the same time), a sphere's
     /// centre may be anywhere at its distance from the position, and contacts are reported wherever that allows them. A spin has no knots, and ignores
     /// the rule.
+    ///
+    /// The rate is known to rounding, which adds up. With the default tolerances, a centre may be anywhere as well from
+    /// 7e7 lengths of the interval at that knot on (`Certified`), or from 7e10 on (`Exact`). If both rotations of that
+    /// interval are given as equal, that rotation is held for ever.
     #[must_use]
     pub fn with_outside(mut self, outside: Outside) -> Self {
         // What was accepted before is so again: the rule refuses nothing.

@@ -107,6 +107,36 @@ fn going_on(first: DQuat, second: DQuat) -> [GivenRotation; 2] {
     ]
 }
 
+/// Neighbours that are one when they are normalised differ by rounding, which grows beyond them. Those that are one as
+/// they are given are held for ever.
+#[test]
+fn rotations_that_differ_by_rounding_go_on() {
+    let mut rng = ChaCha8Rng::seed_from_u64(28);
+    for round in 0..100 {
+        let first = rotation(&mut rng);
+        let second = first * (1.0 + rng.random_range(-1e-10..1e-10));
+        for given in going_on(first, second) {
+            let orientation = Orientation::of(given.clone()).unwrap();
+            let turning = orientation.turning().unwrap();
+            let time = [1e4, 1e6, 1e7][round % 3];
+            for time in [time, 1.0 - time] {
+                let section = turning.section_at(time, Accuracy::Certified);
+                let baked = turning.bake(&section, Accuracy::Certified);
+                assert!(baked.error() < 2e-6, "{time} {section:?}");
+                let ends = (time, time + 1.0);
+                check(&baked.part(ends), ends, &given);
+            }
+        }
+        for given in going_on(first, -first) {
+            let orientation = Orientation::of(given).unwrap();
+            let turning = orientation.turning().unwrap();
+            let section = turning.section_at(1e300, Accuracy::Certified);
+            let error = turning.bake(&section, Accuracy::Certified).error();
+            assert!(error <= BakedRotation::ROUNDING, "{error}");
+        }
+    }
+}
+
 /// However slowly bodies turn, what is known of them at the last knot is known for some time.
 #[test]
 fn slow_rotations_are_known_beyond_their_knots() {
