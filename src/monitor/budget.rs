@@ -1,6 +1,7 @@
 //! Limits of the work of a tick.
 
 use crate::parallel;
+use crate::rounding::latest_exact;
 use crate::scene::PairAdmission;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
@@ -91,6 +92,13 @@ impl BudgetMeter {
     /// Returns the prescribed end of the known time, s, if there is one.
     pub(super) const fn until(&self) -> Option<f64> {
         self.until
+    }
+
+    /// Returns true if the prescribed known time ends before an instant (s), and with it all instants that are rounded to its
+    /// end.
+    pub(super) fn ends_before(&self, time: f64) -> bool {
+        let ends_before = |until: f64| latest_exact(latest_exact(until)) < time;
+        self.until.is_some_and(ends_before)
     }
 
     /// Returns the work counted so far, as in [`Budget::Work`].

@@ -440,7 +440,7 @@ impl LookaheadSearch {
                 break;
             }
             let start = self.grid.start(slice.number).max(from);
-            if is_needed && meter.until().is_some_and(|until| start >= until) {
+            if is_needed && meter.ends_before(start) {
                 break;
             }
             if slice.is_fresh(&bodies) {

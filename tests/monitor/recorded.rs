@@ -3,7 +3,7 @@
 use super::late::Recording;
 use super::support::line;
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, Monitor, RevisionThreshold, Scene, State};
+use nearmiss::{AlertLevel, Body, Monitor, RevisionThreshold, Scene, State, Trajectory};
 use std::collections::BTreeSet;
 
 const DOCUMENTED: &str = include_str!("../../src/monitor/recording/replay.rs");
@@ -51,4 +51,37 @@ fn the_records_have_the_names_of_the_documented_table() {
         })
         .collect();
     assert_eq!(written, documented());
+}
+
+/// Late on the clock, where instants are far apart: what begins just after the end of the lookahead is reported at that end,
+/// and so it is in a replay.
+#[test]
+fn what_is_rounded_to_the_last_known_instant_is_replayed() {
+    const NOW: f64 = 1.7e9;
+    const LOOKAHEAD: f64 = 0.003;
+    let mut at_end = 0;
+    for place in -20..20 {
+        let end = NOW + LOOKAHEAD;
+        // Instants are 2.4e-7 s apart there.
+        let enter = (end - NOW) + 1e-8 * f64::from(place);
+        let velocity = -2e4 * DVec3::X;
+        let coming = State::new(NOW, DVec3::X - enter * velocity, velocity);
+        let plans = [
+            Trajectory::at_rest(DVec3::ZERO),
+            Trajectory::coasting(coming),
+        ];
+        let mut scene = Scene::new();
+        for plan in plans {
+            scene.insert(Body::new(plan.unwrap())).unwrap();
+        }
+        let level = [AlertLevel::at(1.0)];
+        let mut monitor = Monitor::new(scene, NOW, LOOKAHEAD, &level).unwrap();
+        let recording = Recording::of(&mut monitor);
+        let mut events = Vec::new();
+        monitor.advance(NOW, &mut events).unwrap();
+        at_end += events.len();
+        monitor.advance(end, &mut events).unwrap();
+        assert_eq!(recording.again(&mut monitor), events, "{place}");
+    }
+    assert!(at_end > 20, "{at_end}");
 }
