@@ -85,7 +85,10 @@ impl BoxTree {
                 Some(index) => {
                     self.levels[0][index / WIDTH].set(index % WIDTH, corners(&body.aabb));
                 }
-                None => self.insert(self.leaf_of(&body.aabb), body),
+                None => {
+                    self.insert(self.leaf_of(&body.aabb), body);
+                    self.keep_in_order();
+                }
             }
         }
         self.disorder += boxes.len();
@@ -287,5 +290,38 @@ mod tests {
             }
         }
         assert!(met > 500 && reordered > 2, "{met} {reordered}");
+    }
+
+    /// They would search through more and more full leaves for a place.
+    #[test]
+    fn many_that_come_to_one_place_are_put_in_order_soon() {
+        const FEW: u32 = 2_000;
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut spread = |first: u32, place: f32| -> Vec<BodyBox> {
+            let bodies = first..first + FEW;
+            let boxes = bodies.map(|body| {
+                let Aabb { mins, maxs } = random_box(&mut rng);
+                let aabb = Aabb::new(mins + place, maxs + place);
+                BodyBox { aabb, body }
+            });
+            boxes.collect()
+        };
+        let (few, come) = (spread(0, 0.0), spread(FEW, 1e6));
+        for moves in [true, false] {
+            let mut boxes = BoxTree::default();
+            boxes.build(&few);
+            let order = boxes.resort_count();
+            if moves {
+                boxes.move_to(&come);
+            } else {
+                boxes.replace(&come);
+            }
+            assert_ne!(boxes.resort_count(), order);
+            let (mut search, mut met) = (TreeSearch::default(), 0);
+            boxes.meeting(&come, &mut search, |own, slot| {
+                met += usize::from(own.body == slot);
+            });
+            assert_eq!(met, come.len());
+        }
     }
 }

@@ -9,11 +9,27 @@ use std::slice::from_ref;
 impl BoxTree {
     /// Replaces the boxes of some bodies, few of all: each finds the best place for it.
     pub(in crate::monitor) fn move_to(&mut self, boxes: &[BodyBox]) {
-        InstructionSet::best().run(MoveBoxes { tree: self, boxes });
+        /// Boxes that are moved before the order is looked at. Where many come to one place, each of them takes longer to
+        /// find a free one.
+        const STEP: usize = 64;
+        for boxes in boxes.chunks(STEP) {
+            InstructionSet::best().run(MoveBoxes { tree: self, boxes });
+            self.keep_in_order();
+        }
+    }
+
+    /// Puts all bodies in order again if there is too much disorder.
+    pub(super) fn keep_in_order(&mut self) {
         if self.disorder > self.slot_at.len() {
             self.list_for_order();
             self.put_in_order();
         }
+    }
+
+    /// Returns true if few enough places were searched since all bodies were put in order: less than some bodies in a row
+    /// that search all leaves.
+    fn is_kept_in_order(&self) -> bool {
+        self.disorder <= 8 * self.slot_at.len()
     }
 
     /// Fetches a leaf.
@@ -57,6 +73,7 @@ impl BoxTree {
     /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
     /// belongs.
     pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
+        debug_assert!(self.is_kept_in_order(), "searches for places add up");
         let leaves = self.leaves();
         for distance in 0..leaves.max(1) {
             let before = first.checked_sub(distance);
