@@ -28,6 +28,8 @@ pub(super) struct HalfSpaceSearch {
     /// Slots to be compared from the clock on, and the place of the next one in this list.
     to_compare: Vec<u32>,
     next: usize,
+    /// Number of bodies that have changed since all were compared. Others are compared with half-spaces that have changed.
+    changed_bodies: usize,
     /// Memory of [`list_spans`](Self::list_spans): slots that are due, each with the instant up to which it is compared (s).
     taken: Vec<(f64, u32)>,
     /// Memory of [`list_spans`](Self::list_spans): all half-spaces, and those that have changed.
@@ -45,6 +47,7 @@ impl HalfSpaceSearch {
             return;
         }
         let is_plane = |slot: &u32| planes.binary_search(slot).is_ok();
+        self.changed_bodies += changed.len();
         let known = self.changed.len();
         self.changed
             .extend(changed.iter().copied().filter(is_plane));
@@ -80,8 +83,8 @@ impl HalfSpaceSearch {
         let most = found.len().saturating_add(most);
         let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
-        // needed. Where most bodies have changed, they may do so again at the next tick.
-        let have_most_changed = are_most(self.to_compare.len(), bodies.monitored.bodies());
+        // needed, also with half-spaces that do not change while another one does. Where most bodies have changed, they may do so again at the next tick.
+        let have_most_changed = are_most(self.changed_bodies, bodies.monitored.bodies());
         let until = if have_most_changed {
             // Just so far that `to` is [known](last_known).
             latest_exact(horizon).next_up()
@@ -123,7 +126,7 @@ impl HalfSpaceSearch {
             work.meter.count(1);
         }
         self.to_compare.clear();
-        self.next = 0;
+        (self.next, self.changed_bodies) = (0, 0);
         self.changed.clear();
         let taken = &mut self.taken;
         taken.clear();
@@ -231,6 +234,48 @@ impl PlaneSearch<'_> {
                 }
             } else if span.end > self.until {
                 return self.until;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use crate::hitbox::Hitbox;
+    use crate::monitor::{AlertLevel, Monitor};
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+
+    /// Else each body would be compared with all half-spaces in each tick: many, of which one moves.
+    #[test]
+    fn a_half_space_that_is_told_each_frame_leaves_the_others_known() {
+        const LOOKAHEAD: f64 = 2.0;
+        let mut scene = Scene::new();
+        let floor = Hitbox::half_space(DVec3::Z).unwrap();
+        let mut put = |hitbox: &Hitbox, place: DVec3| {
+            let body = Body::new(Trajectory::at_rest(place).unwrap());
+            scene.insert(body.with_hitbox(hitbox.clone())).unwrap()
+        };
+        let [_, lift] = [-20.0, -10.0].map(|height| put(&floor, height * DVec3::Z));
+        let ball = Hitbox::sphere(0.5).unwrap();
+        let balls = [0.0, 3.0, 6.0].map(|place| put(&ball, place * DVec3::X));
+        let levels = [AlertLevel::at(0.1)];
+        let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        for frame in 1..60 {
+            let now = f64::from(frame) / 60.0;
+            let place = (0.1 * now - 10.0) * DVec3::Z;
+            let velocity = (0.1 + 0.01 * now) * DVec3::Z;
+            let told = [(lift, State::new(now, place, velocity))];
+            monitor.track(now, told).unwrap();
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            for id in balls {
+                let due = monitor.search.half_spaces.due.at(id.slot);
+                let ahead = due - (now + LOOKAHEAD);
+                assert!(ahead > 0.5 * LOOKAHEAD, "{frame} {ahead}");
             }
         }
     }

@@ -62,7 +62,7 @@ pub(super) struct LookaheadSearch {
     unused: Vec<LookaheadSlice>,
     /// None if nothing is left to search.
     jump: Option<JumpSearch>,
-    half_spaces: HalfSpaceSearch,
+    pub(super) half_spaces: HalfSpaceSearch,
     query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.
     survivors: Vec<SpanKey>,
