@@ -82,7 +82,7 @@ impl HalfSpaceSearch {
     ) -> Result<f64, LimitExceeded> {
         let most = found.len().saturating_add(most);
         let (since, horizon) = exact_interval((from, to));
-        // As far again beyond `to`: each body is then compared about once per lookahead, and not much farther than is
+        // As far again beyond `to`: each body is then compared once or twice per lookahead, and not much farther than is
         // needed, also with half-spaces that do not change while another one does. Where most bodies have changed, they may do so again at the next tick.
         let have_most_changed = are_most(self.changed_bodies, bodies.monitored.bodies());
         let until = if have_most_changed {
@@ -121,6 +121,7 @@ impl HalfSpaceSearch {
             } else {
                 search.list(slot, &self.all_planes, since)?
             };
+            let next = due_by(slot, next, (horizon, until));
             self.due.set(slot, next.max(horizon.next_up()));
             self.next += 1;
             work.meter.count(1);
@@ -141,11 +142,25 @@ impl HalfSpaceSearch {
                 continue;
             }
             let next = search.list(slot, &self.all_planes, since)?;
+            let next = due_by(slot, next, (horizon, until));
             self.due.set(slot, next.max(horizon.next_up()));
             work.meter.count(1);
         }
         Ok(known)
     }
+}
+
+/// Returns the instant (s) at which a body is due again that is compared up to `next` (s). If that is `until`, the end of the
+/// compared time, the instant lies in the second half of the time from the horizon to there (both s). Else bodies that are
+/// compared in one tick would be due in one tick as well, which would take much longer than others.
+fn due_by(slot: u32, next: f64, (horizon, until): (f64, f64)) -> f64 {
+    /// Its multiples are spread evenly between whole numbers.
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    if next.total_cmp(&until).is_ne() {
+        return next;
+    }
+    let share = (GOLDEN * f64::from(slot)).fract();
+    next - 0.5 * share * (next - horizon)
 }
 
 /// The comparison of bodies with half-spaces.
@@ -265,7 +280,7 @@ mod tests {
         let levels = [AlertLevel::at(0.1)];
         let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
         monitor.advance(0.0, &mut Vec::new()).unwrap();
-        for frame in 1..60 {
+        for frame in 1..40 {
             let now = f64::from(frame) / 60.0;
             let place = (0.1 * now - 10.0) * DVec3::Z;
             let velocity = (0.1 + 0.01 * now) * DVec3::Z;
@@ -275,8 +290,36 @@ mod tests {
             for id in balls {
                 let due = monitor.search.half_spaces.due.at(id.slot);
                 let ahead = due - (now + LOOKAHEAD);
-                assert!(ahead > 0.5 * LOOKAHEAD, "{frame} {ahead}");
+                assert!(ahead > 0.1 * LOOKAHEAD, "{frame} {ahead}");
             }
         }
+    }
+
+    /// Bodies that are compared in one tick are not all compared again in one tick.
+    #[test]
+    fn bodies_are_due_one_after_another() {
+        let mut scene = Scene::new();
+        let floor = Body::new(Trajectory::at_rest(-9.0 * DVec3::Z).unwrap());
+        let floor = floor.with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
+        scene.insert(floor).unwrap();
+        for place in 0..120 {
+            let place = 5.0 * f64::from(place) * DVec3::X;
+            let ball = Body::new(Trajectory::at_rest(place).unwrap());
+            scene.insert(ball).unwrap();
+        }
+        let levels = [AlertLevel::at(0.1)];
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &levels).unwrap();
+        for frame in 0..3 {
+            let now = f64::from(frame) / 60.0;
+            monitor.advance(now, &mut Vec::new()).unwrap();
+        }
+        let half_spaces = &monitor.search.half_spaces;
+        let mut due: Vec<f64> = (1..121).map(|slot| half_spaces.due.at(slot)).collect();
+        due.sort_by(f64::total_cmp);
+        assert!(due[0] > 2.5 && due[119] < 4.5, "{due:?}");
+        assert!(
+            due.windows(12).all(|some| some[11] - some[0] > 0.05),
+            "{due:?}"
+        );
     }
 }
