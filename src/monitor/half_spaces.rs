@@ -83,7 +83,8 @@ impl HalfSpaceSearch {
         let most = found.len().saturating_add(most);
         let (since, horizon) = exact_interval((from, to));
         // As far again beyond `to`: each body is then compared once or twice per lookahead, and not much farther than is
-        // needed, also with half-spaces that do not change while another one does. Where most bodies have changed, they may do so again at the next tick.
+        // needed, also with half-spaces that do not change while another one does. Where most bodies have changed, they may
+        // do so again at the next tick.
         let have_most_changed = are_most(self.changed_bodies, bodies.monitored.bodies());
         let until = if have_most_changed {
             // Just so far that `to` is [known](last_known).

@@ -51,6 +51,7 @@ impl Monitor {
     ///   count from `complete_until` on if it is before the clock.
     /// - A plan changes for an instant that is not after the clock, which one of two monitors has reported and the other,
     ///   behind by its budget, has not.
+    /// - A plan changes while the monitor is behind: its cubics are cut elsewhere then, and numbers differ by roundings.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
