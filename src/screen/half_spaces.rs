@@ -51,7 +51,7 @@ impl PreparedScene<'_> {
                         if filter.gives_up() {
                             return Ok((near, examined));
                         }
-                        let is_below = |positions| plane.0.is_below(positions, self.margin);
+                        let is_below = |positions| plane.0.is_below(positions, self.query.margin());
                         if positions.as_ref().is_some_and(is_below) {
                             continue;
                         }
@@ -106,7 +106,7 @@ impl PreparedScene<'_> {
         let mut examined = 0;
         for span in spans(&a.knots, &b.knots, from, to) {
             examined += 1;
-            if may_touch(a, b, span, self.margin, (from, to)) {
+            if may_touch(a, b, span, self.query.margin(), (from, to)) {
                 near.push(SpanKey::of((first, second), span));
             }
         }

@@ -19,16 +19,14 @@ pub(crate) use pair::push_all_conflicts;
 pub(crate) use solve::{PairQuestion, SolveScratch, conflict, describe};
 
 use crate::bounds::{CompactCubic, CubicSource};
-use crate::broad_phase::{Method, PairFilter};
+use crate::broad_phase::PairFilter;
 use crate::conflict::{CertifiedApproach, ClosestApproach, Conflict};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::parallel;
 use crate::query::Query;
 use crate::scene::{Body, PairAdmission, Scene};
-use crate::search::{
-    BoxedBodies, LimitExceeded, SceneStatistics, SliceTrials, TimeSlices, WindowSearch, recycled,
-};
+use crate::search::{BoxedBodies, LimitExceeded, SliceTrials, TimeSlices, WindowSearch, recycled};
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
@@ -145,7 +143,7 @@ impl Scene {
             pairs: PairAdmission::of(self, query.margin(), &gives_up).with_radii(),
             ids: &prepared.ids,
         };
-        let done = prepared.screen(query.method, &filter, &tell);
+        let done = prepared.screen(&filter, &tell);
         let mut screening = done.map_err(|_| {
             if gives_up() {
                 Error::Cancelled
@@ -235,7 +233,7 @@ impl Scene {
         if prepared.ids.len() < 2 {
             return Ok(1);
         }
-        let statistics = prepared.statistics();
+        let statistics = &prepared.survey.statistics;
         let filter = PlaceAdmission {
             pairs: PairAdmission::of(self, query.margin(), &|| false),
             ids: &prepared.ids,
@@ -244,9 +242,9 @@ impl Scene {
             is_in_place: true,
             ..prepared.trials()
         };
-        let slices = TimeSlices::choose(prepared.searched(), &prepared.pace, &statistics);
+        let slices = TimeSlices::choose(prepared.searched(), &prepared.pace, statistics);
         let sources = |places: &[usize]| prepared.sources(places);
-        let slices = trials.cheapest(slices, (&statistics, &filter), &sources);
+        let slices = trials.cheapest(slices, (statistics, &filter), &sources);
         Ok(slices.count())
     }
 }
@@ -256,12 +254,12 @@ impl PreparedScene<'_> {
     /// that may be reported in it. `sources` returns those of the bodies at some places.
     fn slices<'p>(
         &self,
-        statistics: &SceneStatistics,
         filter: &dyn PairFilter,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
     ) -> TimeSlices<'_> {
+        let statistics = &self.survey.statistics;
         let slices = TimeSlices::choose(self.searched(), &self.pace, statistics);
-        if let Some(count) = self.prescribed {
+        if let Some(count) = self.query.slices {
             return slices.with_count(f64::from(count.get()));
         }
         self.trials()
@@ -273,7 +271,7 @@ impl PreparedScene<'_> {
             lifetimes: &self.lifetimes,
             frame: &self.frame,
             limits: self.limits,
-            instructions: self.instructions,
+            instructions: self.query.instructions,
             pool: self.pool,
             is_in_place: false,
         }
@@ -282,26 +280,24 @@ impl PreparedScene<'_> {
     /// Lists the box sources of all bodies, and returns the slices; computed in parallel if there are many bodies.
     fn lay_out<'p>(
         &'p self,
-        statistics: &SceneStatistics,
         filter: &dyn PairFilter,
         sources: &mut SourceList<'p>,
     ) -> TimeSlices<'p> {
         /// Fewer are prepared before another thread wakes up.
         const FEW: usize = 1024;
         if parallel::threads() > 1 && self.ids.len() > FEW {
-            let slices = || self.slices(statistics, filter, &|places| self.sources(places));
+            let slices = || self.slices(filter, &|places| self.sources(places));
             let list = || self.list_sources(sources);
             return parallel::join(self.ids.len(), FEW, slices, list).0;
         }
         // Then it is cheaper to copy some than to look at their bodies again.
         self.list_sources(sources);
         let some = |places: &[usize]| places.iter().map(|&place| sources[place]).collect();
-        self.slices(statistics, filter, &some)
+        self.slices(filter, &some)
     }
 
     fn screen(
         &self,
-        method: Method,
         filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
     ) -> Result<Screening, LimitExceeded> {
@@ -316,20 +312,18 @@ impl PreparedScene<'_> {
         if self.ids.len() < 2 {
             return Ok(screening);
         }
-        let (statistics, how) = (self.statistics(), (method, filter));
         if self.is_in_place() {
-            let slices = self.slices(&statistics, filter, &|places| self.sources(places));
-            let slicing = (&slices, &statistics);
-            return self.search(&BodiesInPlace(self), slicing, how, progress, screening);
+            let slices = self.slices(filter, &|places| self.sources(places));
+            return self.search(&BodiesInPlace(self), &slices, filter, progress, screening);
         }
         let mut memory = self.pool.take();
         let mut sources = recycled(std::mem::take(&mut memory.sources));
-        let slices = self.lay_out(&statistics, filter, &mut sources);
+        let slices = self.lay_out(filter, &mut sources);
         let bodies = ListedBodies {
             prepared: self,
             sources: &sources,
         };
-        let done = self.search(&bodies, (&slices, &statistics), how, progress, screening);
+        let done = self.search(&bodies, &slices, filter, progress, screening);
         memory.sources = recycled(sources);
         done
     }
@@ -338,8 +332,8 @@ impl PreparedScene<'_> {
     fn search(
         &self,
         bodies: &(impl BoxedBodies + Copy),
-        slicing: (&TimeSlices<'_>, &SceneStatistics),
-        (method, filter): (Method, &dyn PairFilter),
+        slices: &TimeSlices<'_>,
+        filter: &dyn PairFilter,
         progress: &(impl Fn(f64) + Sync),
         mut screening: Screening,
     ) -> Result<Screening, LimitExceeded> {
@@ -348,18 +342,19 @@ impl PreparedScene<'_> {
             lifetimes: &self.lifetimes,
             frame: &self.frame,
             window: self.window,
-            margin: self.margin,
+            margin: self.query.margin(),
             limits: self.limits,
-            method,
-            instructions: self.instructions,
+            method: self.query.method,
+            instructions: self.query.instructions,
             pool: self.pool,
             threads: parallel::threads(),
         };
         let stats = &mut screening.stats;
-        stats.slices = u64::from(slicing.0.count());
+        stats.slices = u64::from(slices.count());
         let mut survivors = Vec::new();
         let found = (&mut survivors, &mut *stats);
         let progress_of_slices = |share: f64| progress(SHARE_OF_SLICES * share);
+        let slicing = (slices, &self.survey.statistics);
         search.spans(slicing, filter, &progress_of_slices, found)?;
         let begin = Instant::now();
         if !self.half_spaces.is_empty() {

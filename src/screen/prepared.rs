@@ -1,12 +1,11 @@
 //! All bodies of a scene, prepared for one query and indexed densely in id order.
 
 use super::survey::SceneSurvey;
-use crate::accuracy::Accuracy;
 use crate::bounds::{
     BodyCubic, CompactCubic, CubicSource, Frame, HullTest, MovingFrame, Padding, StraightPieces,
     hull_test,
 };
-use crate::broad_phase::{Groups, InstructionSet, PairFilter};
+use crate::broad_phase::{Groups, PairFilter};
 use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
@@ -18,13 +17,11 @@ use crate::query::Query;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
-    Bodies, BoxedBodies, Lifetimes, Limits, Pace, SceneStatistics, SearchScratch, SlicesToForm,
-    SourcesInPlace,
+    Bodies, BoxedBodies, Lifetimes, Limits, Pace, SearchScratch, SlicesToForm, SourcesInPlace,
 };
 use crate::simd::prefetch;
 use crate::trajectory::Extension;
 use crate::window::Window;
-use std::num::NonZeroU32;
 use std::slice::from_ref;
 
 /// Box sources of all bodies, by place.
@@ -43,11 +40,8 @@ pub(super) struct PreparedScene<'a> {
     pub(super) asked: Window,
     /// The part of it in which any body exists that may be part of a pair of boxes.
     pub(super) window: Window,
-    pub(super) margin: f64,
-    pub(super) accuracy: Accuracy,
-    pub(super) instructions: InstructionSet,
-    /// Number of slices, if prescribed.
-    pub(super) prescribed: Option<NonZeroU32>,
+    /// The query, with a margin that was checked.
+    pub(super) query: Query,
     pub(super) limits: Limits,
     pub(super) pool: &'a Pool<SearchScratch>,
     arena: &'a CubicArena,
@@ -91,10 +85,7 @@ impl<'a> PreparedScene<'a> {
             extensions,
             asked,
             window: asked,
-            margin,
-            accuracy: query.accuracy(),
-            instructions: query.instructions,
-            prescribed: query.slices,
+            query: *query,
             limits: Limits::of_spans(query.max_spans()),
             pool: scene.pool(),
             arena: scene.arena(),
@@ -108,7 +99,7 @@ impl<'a> PreparedScene<'a> {
             Some(window) => {
                 prepared.window = window;
                 let lives = std::mem::take(&mut prepared.survey.lives);
-                let body_time = prepared.statistics().body_time;
+                let body_time = prepared.survey.statistics.body_time;
                 prepared.pace = Pace::of(&lives, prepared.searched(), body_time);
                 prepared.lifetimes = Lifetimes::of(lives);
             }
@@ -160,7 +151,7 @@ impl<'a> PreparedScene<'a> {
     fn source(&self, place: usize) -> CubicSource<'_, CompactCubic> {
         let frame: &Frame = &self.frame;
         let (entry, extension) = (self.entries[place], self.extension(place));
-        let padding = Padding::of(entry.body.shape(), self.margin, frame);
+        let padding = Padding::of(entry.body.shape(), self.query.margin(), frame);
         let plan = &entry.body.trajectory;
         if !plan.straight_motions().is_empty() {
             return CubicSource::straight(Knots::over(plan, extension), &padding, frame);
@@ -186,11 +177,6 @@ impl<'a> PreparedScene<'a> {
     /// Returns the interval asked about (s), with what is reported in it by rounding.
     pub(super) fn searched(&self) -> (f64, f64) {
         exact_interval(self.window.ends())
-    }
-
-    /// Returns the statistics of motion in the window.
-    pub(super) fn statistics(&self) -> SceneStatistics {
-        self.survey.statistics()
     }
 }
 
@@ -221,7 +207,7 @@ impl SourcesInPlace for BodiesInPlace<'_> {
         let (place, frame): (usize, &Frame) = (body as usize, &self.0.frame);
         let (body, extension) = (&self.0.entries[place].body, self.0.extension(place));
         let before = extension.map_or(0, |extension| extension.before as usize);
-        let padding = Padding::of(body.shape(), self.0.margin, frame);
+        let padding = Padding::of(body.shape(), self.0.query.margin(), frame);
         StraightPieces::over(&body.trajectory, before, from, (&padding, frame))
     }
 

@@ -165,7 +165,10 @@ impl PreparedScene<'_> {
             let place = place as usize;
             (self.ids[place], self.entries[place].body.tag)
         });
-        let (views, asked) = ((&view_a, &view_b), (self.margin, self.accuracy));
+        let (views, asked) = (
+            (&view_a, &view_b),
+            (self.query.margin(), self.query.accuracy()),
+        );
         if let Some(question) = PairQuestion::of(names, views, asked, self.window.ends()) {
             let spans = survivors.iter().take_while(|_| goes_on());
             let spans = spans.map(|survivor| survivor.span(&view_a.knots, &view_b.knots));

@@ -26,7 +26,8 @@ pub(super) struct SceneSurvey {
     plans: DAabb,
     /// Approximate extremes of their motion beyond the plans, m.
     beyond: DAabb,
-    statistics: SceneStatistics,
+    /// Statistics of motion in the window.
+    pub(super) statistics: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
     /// Number of cubics, pieces beyond the knots in the window included.
@@ -178,11 +179,6 @@ impl SceneSurvey {
             }
         }
         world
-    }
-
-    /// Returns the statistics of motion in the window.
-    pub(super) const fn statistics(&self) -> SceneStatistics {
-        self.statistics
     }
 }
 
