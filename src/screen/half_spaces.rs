@@ -29,50 +29,39 @@ impl PreparedScene<'_> {
         filter: &dyn PairFilter,
         found: &mut Vec<SpanKey>,
     ) -> Result<u64, LimitExceeded> {
-        /// Bodies that one thread compares at a time.
-        const CHUNK: usize = 1024;
+        /// So many bodies are compared on one thread.
+        const FEW: usize = 1024;
         let planes: Vec<Plane<'_>> = self.planes(bodies).collect();
-        let places: Vec<u32> = (0..short(self.entries.len())).collect();
-        let chunks: Vec<&[u32]> = places.chunks(CHUNK).collect();
         // Spans of all threads: an endless list would take all memory.
         let count = AtomicUsize::new(found.len());
-        let compared = parallel::map(
-            chunks.len(),
-            || (),
-            |(), chunk| {
-                let (mut near, mut examined) = (Vec::new(), 0);
-                for &body in chunks[chunk] {
-                    let entry = self.entry(body);
-                    if entry.0.body.hitbox.is_half_space() {
-                        continue;
-                    }
-                    let positions = PositionBox::of(entry, self.searched());
-                    for plane in &planes {
-                        if filter.gives_up() {
-                            return Ok((near, examined));
-                        }
-                        let is_below = |positions| plane.0.is_below(positions, self.query.margin());
-                        if positions.as_ref().is_some_and(is_below) {
-                            continue;
-                        }
-                        let before = near.len();
-                        examined += self.compare_half_space(body, plane, bodies, filter, &mut near);
-                        let more = near.len() - before;
-                        if more > 0 {
-                            self.limits
-                                .check(count.fetch_add(more, Ordering::Relaxed) + more)?;
-                        }
-                    }
+        let compared = parallel::fold(self.entries.len(), FEW, Default::default, |share, body| {
+            let (near, examined): &mut (Vec<SpanKey>, u64) = share;
+            let body = short(body);
+            let entry = self.entry(body);
+            if entry.0.body.hitbox.is_half_space() {
+                return;
+            }
+            let positions = PositionBox::of(entry, self.searched());
+            for plane in &planes {
+                let is_full = || self.limits.check(count.load(Ordering::Relaxed)).is_err();
+                if filter.gives_up() || is_full() {
+                    return;
                 }
-                Ok((near, examined))
-            },
-        );
+                let is_below = |positions| plane.0.is_below(positions, self.query.margin());
+                if positions.as_ref().is_some_and(is_below) {
+                    continue;
+                }
+                let before = near.len();
+                *examined += self.compare_half_space(body, plane, bodies, filter, near);
+                count.fetch_add(near.len() - before, Ordering::Relaxed);
+            }
+        });
         let mut examined = 0;
-        for of_chunk in compared {
-            let (near, count) = of_chunk?;
+        for (near, count) in compared {
             found.extend(near);
             examined += count;
         }
+        self.limits.check(found.len())?;
         found.sort_unstable();
         Ok(examined)
     }
