@@ -69,10 +69,16 @@ impl Orientation {
 
     /// Replaces the whole orientation by a spin. The tolerance, if there is one, stays.
     pub(crate) fn set_spin(&mut self, spin: &ToldSpin) {
-        match self.turning.as_deref_mut() {
-            Some(turning) => turning.set_spin(spin),
-            None => self.turning = Some(Box::new(Turning::of_spin(spin))),
-        }
+        let turning = self.turning.get_or_insert_with(|| {
+            Box::new(Turning {
+                parts: Vec::with_capacity(1),
+                tolerance: None,
+                pieces: Vec::with_capacity(1),
+            })
+        });
+        turning.parts.clear();
+        turning.pieces.clear();
+        turning.append_spin(spin, None);
     }
 }
 
@@ -123,24 +129,6 @@ impl Turning {
             self.append_spin(spin, begin);
         }
         !is_followed || kept < before
-    }
-
-    /// Returns the motion that is a spin at all times, without a tolerance of its own.
-    fn of_spin(spin: &ToldSpin) -> Self {
-        let mut turning = Self {
-            parts: Vec::with_capacity(1),
-            tolerance: None,
-            pieces: Vec::with_capacity(1),
-        };
-        turning.append_spin(spin, None);
-        turning
-    }
-
-    /// Replaces the whole motion by a spin, in its memory.
-    fn set_spin(&mut self, spin: &ToldSpin) {
-        self.parts.clear();
-        self.pieces.clear();
-        self.append_spin(spin, None);
     }
 
     /// Appends a spin from an instant (s) on, or from the beginning of time.
