@@ -259,7 +259,9 @@ impl Orientation {
         }
         let mut parts = Turning::parts_until(&own, from, since);
         let mut first = (!parts.is_empty()).then_some(from);
-        for part in next.parts_from(from) {
+        let is_passed = |part: &&OrientationPart| part.from.unwrap_or(f64::NEG_INFINITY) <= from;
+        let passed = other.iter().skip(1).take_while(is_passed).count();
+        for part in other.into_iter().skip(passed) {
             let begin = first.take().or(part.from).filter(|_| !parts.is_empty());
             parts.push(OrientationPart {
                 from: begin,
@@ -290,17 +292,6 @@ impl Orientation {
                 given: GivenRotation::Fixed,
             }],
         }
-    }
-
-    /// Returns the parts that are followed from an instant (s) on.
-    fn parts_from(&self, from: f64) -> Vec<OrientationPart> {
-        let mut parts = self.parts();
-        let passed = parts.iter().skip(1).take_while(|part| {
-            let begin = part.from.unwrap_or(f64::NEG_INFINITY);
-            begin <= from
-        });
-        let passed = passed.count();
-        parts.split_off(passed)
     }
 
     fn of(given: GivenRotation) -> Result<Self, Error> {
