@@ -185,11 +185,10 @@ impl Trajectory {
 
     /// Returns true if [`replace`](Self::replace) can be done, and the motion followed over `window` then.
     pub(crate) fn can_replace(&self, from: f64, motion: &StraightMotion, window: Window) -> bool {
-        let [first, .., last] = match self.knots() {
-            _ if self.straight().is_some() => return false,
-            [] => return false,
-            [only] => [*only; 2],
-            [first, .., last] => [*first, *last],
+        let knots = self.knots();
+        let (Some(&first), Some(&last), None) = (knots.first(), knots.last(), self.straight())
+        else {
+            return false;
         };
         let goes_on =
             self.outside_after() == Outside::Coast && motion.start() <= from && last < from;
@@ -197,13 +196,12 @@ impl Trajectory {
         if !goes_on || !begins {
             return false;
         }
-        let number = self.knots().len();
-        let is_known = match &self.storage {
-            Storage::Recent(recent) => recent.last().check_followable((last, from), number - 1),
-            _ => {
-                let straight = self.end_motion_after().straight();
-                straight.check_followable((last, from), number - 1)
-            }
+        let number = knots.len();
+        let is_known = match self.straight_motions().last() {
+            Some(motion) => motion.check_followable((last, from), number - 1),
+            None => self
+                .segment_after()
+                .check_followable((last, from), number - 1),
         };
         let mut reached = from;
         is_known.is_ok()
@@ -258,13 +256,12 @@ impl Trajectory {
     pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
         let is_past = self.knots().last().is_some_and(|&last| last <= from);
         is_past
-            && match &self.storage {
-                Storage::Straight(own, _) => own.is_same_as(motion),
-                Storage::Recent(recent) => recent.last().is_same_as(motion),
-                Storage::Lists(lists) => {
-                    let own = lists.segments.extra()[1].straight();
-                    let is_same = |own: StraightMotion| own.is_same_as(motion);
-                    lists.after == Outside::Coast && StraightMotion::of(&own).is_some_and(is_same)
+            && match self.straight_motions().last() {
+                Some(own) => own.is_same_as(motion),
+                None => {
+                    self.outside_after() == Outside::Coast
+                        && StraightMotion::of(&self.segment_after())
+                            .is_some_and(|own| own.is_same_as(motion))
                 }
             }
     }
