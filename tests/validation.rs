@@ -232,14 +232,13 @@ fn hitboxes() {
     }
     assert_eq!(Hitbox::cluster(vec![]).unwrap_err(), Error::EmptyCluster);
     let good = Sphere::default();
-    let bad = Sphere {
-        offset: DVec3::new(f64::INFINITY, 0.0, 0.0),
-        radius: 1.0,
-    };
-    assert!(matches!(
-        Hitbox::cluster(vec![good, bad]),
-        Err(Error::Offset { sphere: 1, .. })
-    ));
+    for far in [f64::INFINITY, f64::NAN] {
+        let bad = Sphere::new([0.0, far, 0.0], 1.0);
+        assert!(matches!(
+            Hitbox::cluster(vec![good, bad]),
+            Err(Error::Offset { sphere: 1, value }) if value.to_bits() == far.to_bits()
+        ));
+    }
 }
 
 #[test]
