@@ -22,8 +22,6 @@ pub(crate) struct SearchScratch {
     /// A tried slice of a sample of the bodies. (In the block its shorter lists would have to be filled again.)
     pub(crate) tried: SliceBlock,
     pub(crate) candidates: Vec<Candidate>,
-    /// Number of candidates of each slice.
-    pub(crate) counts: Vec<usize>,
     /// Ends of the slices of a block, s.
     pub(crate) ends: Vec<f64>,
     pub(crate) refiner: CandidateRefiner,

@@ -130,45 +130,34 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
-        let mut counts = std::mem::take(&mut scratch.counts);
         scratch.found.clear();
-        let mut begin = Instant::now();
-        let mut number = range.start;
         let mut crowded = Vec::new();
-        let count = range.len();
-        for batch in block.slices[..count].chunks(slices_per_batch(&block, count)) {
+        let mut begin = Instant::now();
+        for (number, slice) in range.zip(&block.slices) {
             candidates.clear();
-            counts.clear();
-            for slice in batch {
-                let first = candidates.len();
-                let room = self.limits.candidates_of_slice(slice.boxes.len());
-                let methods = &mut scratch.methods;
-                if !self.list_pairs(methods, slice, room, filter, &mut candidates) {
-                    crowded.push(number + short(counts.len()));
-                }
-                counts.push(candidates.len() - first);
-                stats.boxes += slice.boxes.len() as u64;
+            let room = self.limits.candidates_of_slice(slice.boxes.len());
+            if !self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
+                crowded.push((slices.interval(number), slice));
             }
-            let compared = Instant::now();
-            let mut rest = &candidates[..];
-            for (slice, &count) in batch.iter().zip(&counts) {
-                let (these, others) = rest.split_at(count);
-                stats.spans +=
-                    self.refine(slice, (slices.interval(number), these), filter, scratch)?;
-                (rest, number) = (others, number + 1);
+            stats.boxes += slice.boxes.len() as u64;
+            if candidates.is_empty() {
+                // Reading the clock takes as long as comparing a few boxes.
+                continue;
             }
             stats.candidates += candidates.len() as u64;
+            let compared = Instant::now();
+            let part = (slices.interval(number), &candidates[..]);
+            stats.spans += self.refine(slice, part, filter, scratch)?;
             let refined = Instant::now();
             stats.broad_time += compared - begin;
             stats.narrow_time += refined - compared;
             begin = refined;
         }
-        for number in crowded {
-            let slice = &block.slices[(number - range.start) as usize];
-            let part = (slices.interval(number), slice);
+        stats.broad_time += begin.elapsed();
+        for part in crowded {
             self.divide(part, filter, &mut stats, scratch)?;
         }
-        (scratch.block, scratch.candidates, scratch.counts) = (block, candidates, counts);
+        (scratch.block, scratch.candidates) = (block, candidates);
         let begin = Instant::now();
         if scratch.found.len() > FEW_FOUND {
             let SearchScratch { sorter, found, .. } = scratch;
@@ -381,14 +370,6 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         }
         !room.is_exceeded()
     }
-}
-
-/// Returns the number of a block's slices that are compared before their candidates are refined: as
-/// many as have few boxes. Reading the clock takes as long as a few boxes.
-fn slices_per_batch(block: &SliceBlock, count: usize) -> usize {
-    const BOXES: usize = 1024;
-    let boxes = block.slices[..count].iter().map(|slice| slice.boxes.len());
-    (BOXES * count / boxes.sum::<usize>().max(1)).max(1)
 }
 
 /// Slices distributed in blocks of about equal size. Results do not depend on it.
