@@ -79,9 +79,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             let blocks_per_merge = blocks.blocks_per_merge.min(blocks.count - first);
             if blocks.is_shared {
                 let take = || self.pool.take();
-                let numbers: Vec<u32> = (first..first + blocks_per_merge).collect();
-                let results = parallel::map(numbers.len(), take, |scratch, place| {
-                    let counted = search(scratch, numbers[place])?;
+                let results = parallel::map(blocks_per_merge as usize, take, |scratch, place| {
+                    let counted = search(scratch, first + short(place))?;
                     Ok((scratch.found.clone(), counted))
                 });
                 for result in results {
@@ -134,7 +133,6 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let mut crowded = Vec::new();
         let mut begin = Instant::now();
         for (number, slice) in range.zip(&block.slices) {
-            candidates.clear();
             let room = self.limits.candidates_of_slice(slice.boxes.len());
             if !self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
                 crowded.push((slices.interval(number), slice));
@@ -350,8 +348,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             .is_some_and(|halves| halves < FEWER * 2.0 * whole)
     }
 
-    /// Appends the candidates of a slice, numbered by place in it. Returns false, and appends none, if
-    /// there are more than the limit.
+    /// Replaces the content of a list by the candidates of a slice, numbered by place in it. Returns false, and lists none,
+    /// if there are more than the limit.
     fn list_pairs(
         &self,
         methods: &mut Methods,
@@ -361,12 +359,12 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         candidates: &mut Vec<Candidate>,
     ) -> bool {
         let by_place = ByPlace::new(&slice.bodies, filter);
-        let first = candidates.len();
+        candidates.clear();
         let room = CandidateLimit::new(&by_place, room);
         let method = (self.method, self.instructions);
         methods.pairs(method, &slice.boxes, &room, candidates);
         if room.is_exceeded() {
-            candidates.truncate(first);
+            candidates.clear();
         }
         !room.is_exceeded()
     }
