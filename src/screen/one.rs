@@ -135,13 +135,8 @@ impl Scene {
     ) -> Result<Vec<Conflict>, Error> {
         let margin = checked_margin(query)?;
         let entries: Vec<_> = self.entries().filter(|&(id, _)| id != own_id).collect();
-        let all = || {
-            entries
-                .iter()
-                .map(|(_, entry)| &entry.body)
-                .chain(once(body))
-        };
-        let asked = query.window().or_else(|| planned(all()));
+        let others = entries.iter().map(|(_, entry)| &entry.body);
+        let asked = query.window().or_else(|| planned(others.chain(once(body))));
         let window = asked.ok_or(Error::NoPlan)?;
         let own = lone_view(body, window).map_err(|error| match self.body(own_id) {
             Some(_) => error.with_id(own_id),
