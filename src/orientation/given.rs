@@ -82,19 +82,14 @@ impl GivenRotation {
                     Arc::between((start, end), from, to)
                 });
                 let arcs: Vec<Arc> = arcs.collect();
-                let ends = turning_ends(given, [arcs.first(), arcs.last()].map(|arc| arc.copied()));
+                let rates = turning_ends(given, [arcs[0], arcs[arcs.len() - 1]]);
                 let turn = arcs.iter().zip(knots.windows(2)).map(|(arc, ends)| {
                     let counts =
                         tolerances.map(|share| part_count(arc.angle / angle_within(share)));
                     RotationPiece::between((ends[0].0, ends[1].0), RotationCurve::Arc(*arc), counts)
                 });
-                Ok(with_ends(
-                    turn.collect(),
-                    &knots,
-                    ends,
-                    *outside,
-                    tolerances,
-                ))
+                let turn = turn.collect();
+                Ok(with_ends(turn, &knots, rates, *outside, tolerances))
             }
             Self::NormalizedCubic {
                 knots: given,
@@ -115,12 +110,10 @@ impl GivenRotation {
                     ))
                 });
                 let turn = turn.collect::<Result<Vec<RotationPiece>, Error>>()?;
-                let ends = [
-                    cubics.first().map(|cubic| rate_at_end(cubic, 0)),
-                    cubics.last().map(|cubic| rate_at_end(cubic, 1)),
-                ];
-                let ends = turning_ends(given, ends);
-                Ok(with_ends(turn, &knots, ends, *outside, tolerances))
+                let last = &cubics[cubics.len() - 1];
+                let rates = [rate_at_end(&cubics[0], 0), rate_at_end(last, 1)];
+                let rates = turning_ends(given, rates);
+                Ok(with_ends(turn, &knots, rates, *outside, tolerances))
             }
         }
     }
@@ -155,16 +148,14 @@ fn rate_at_end(cubic: &QuaternionCubic, end: usize) -> Arc {
 
 /// Returns the rates at the first and last knot, without one where the two rotations given there are one. Others may
 /// be equal when they are normalised, and still differ.
-fn turning_ends(given: &[(f64, DQuat)], rates: [Option<Arc>; 2]) -> [Option<Arc>; 2] {
-    let last = given.len().saturating_sub(2);
-    let is_still = |first: usize| match given.get(first..first + 2) {
-        Some(&[(_, one), (_, other)]) => one == other || one == -other,
-        _ => true,
+fn turning_ends(given: &[(f64, DQuat)], [before, after]: [Arc; 2]) -> [Option<Arc>; 2] {
+    let turns = |first: usize| {
+        let [one, other] = [given[first].1, given[first + 1].1];
+        one != other && one != -other
     };
-    let [before, after] = rates;
     [
-        before.filter(|_| !is_still(0)),
-        after.filter(|_| !is_still(last)),
+        turns(0).then_some(before),
+        turns(given.len() - 2).then_some(after),
     ]
 }
 
@@ -177,9 +168,7 @@ fn with_ends(
     outside: Outside,
     tolerances: [f64; 2],
 ) -> Vec<RotationPiece> {
-    let (Some(&first), Some(&last)) = (knots.first(), knots.last()) else {
-        return turn;
-    };
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
     let end = |(time, rotation): (f64, DQuat), rate: Option<Arc>| {
         let arc = match (outside, rate) {
             (Outside::Extrapolate | Outside::Coast, Some(rate)) => rate.going_on(time, rotation),

@@ -49,15 +49,13 @@ impl SegmentLists {
         &self.segments[..self.segments.len() - usize::from(self.has_piece_after)]
     }
 
-    /// Takes the first piece after the last knot into the lists, if the plan coasts there.
+    /// Takes the first piece after the last knot, from where the plan coasts, into the lists.
     pub(super) fn add_piece_after(&mut self) {
+        debug_assert!(self.after == Outside::Coast && !self.has_piece_after);
         let end_motion = self.segments.extra()[1].straight();
-        let Some(&last) = self.knots.last().filter(|_| self.after == Outside::Coast) else {
-            return;
-        };
+        let last = self.knots[self.knots.len() - 1];
         let cut = DoublingCuts::cut(last, end_motion.end() - end_motion.start(), 1);
-        let is_piece = cut > last && end_motion.check_followable((last, cut), 0).is_ok();
-        if is_piece && !self.has_piece_after {
+        if cut > last && end_motion.check_followable((last, cut), 0).is_ok() {
             self.knots.push(cut);
             self.segments.push(end_motion);
             self.has_piece_after = true;
