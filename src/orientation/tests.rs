@@ -129,38 +129,6 @@ fn cubics_stay_within_their_error() {
     assert!(unknown < 40 && count > 3_000, "{unknown} {count}");
 }
 
-/// Without the errors of cubics, rounding alone is within its bound.
-#[test]
-fn rounding_is_within_its_bound() {
-    let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let rng = &mut rng;
-    let mut closest = 0.0_f64;
-    for _ in 0..300 {
-        let given = GivenRotation::Spin {
-            time: 0.0,
-            rotation: rotation(rng),
-            angular_velocity: vector(rng, 1.0),
-        };
-        let orientation = Orientation::of(given.clone()).unwrap();
-        let turning = orientation.turning().unwrap();
-        let section = turning.section_at(rng.random_range(-50.0..50.0), Accuracy::Certified);
-        let baked = turning.bake(&section, Accuracy::Certified);
-        let point = vector(rng, 1.0);
-        let points = baked.way(point);
-        for (time, found) in [(section.start, points[0]), (section.end, points[3])] {
-            let place = turned(&exact(&given, &big(time)), point);
-            let off = [0, 1, 2].map(|axis| (&place[axis] - big(found[axis])).to_f64().value());
-            let off = DVec3::from_array(off).length() / point.length();
-            closest = closest.max(off);
-        }
-    }
-    let bound = super::BakedRotation::ROUNDING;
-    assert!(
-        closest < bound && closest > 1e-3 * bound,
-        "{closest} {bound}"
-    );
-}
-
 /// The sections between two instants.
 fn sections(
     orientation: &Orientation,
