@@ -1,6 +1,7 @@
 //! Heights of bodies above half-spaces, for a first comparison without cubics.
 
 use super::SceneEntry;
+use crate::bounds::DAabb;
 use crate::narrow_phase::HeightRange;
 use glam::DVec3;
 
@@ -49,8 +50,7 @@ impl PlaneHeights {
 /// A box around the positions of a body between two instants.
 #[derive(Debug)]
 pub(crate) struct PositionBox {
-    low: DVec3,
-    high: DVec3,
+    around: DAabb,
     /// Magnitude of the coordinates, to which their rounding is relative, m.
     size: f64,
     /// Largest distance of a point of the body's spheres from its position, m.
@@ -72,29 +72,27 @@ impl PositionBox {
             if needs_cubics {
                 return None;
             }
-            let plan = entry.summary().around();
+            let around = entry.summary().around();
             return Some(Self {
-                low: plan.low,
-                high: plan.high,
-                size: plan.low.abs().max(plan.high.abs()).element_sum(),
+                around,
+                size: around.low.abs().max(around.high.abs()).element_sum(),
                 reach,
             });
         }
         let mut all = Self {
-            low: DVec3::INFINITY,
-            high: DVec3::NEG_INFINITY,
+            around: DAabb::NOTHING,
             size: 0.0,
             reach,
         };
         let knots = plan.knots();
         for (number, motion) in motions.iter().enumerate() {
             // The first one goes back, and the last one on, for ever.
-            let begin = from.max(if number == 0 { from } else { knots[number] });
-            let end = to.min(if number + 1 < motions.len() {
-                knots[number + 1]
+            let begin = if number == 0 {
+                from
             } else {
-                to
-            });
+                from.max(knots[number])
+            };
+            let end = knots.get(number + 1).map_or(to, |&knot| to.min(knot));
             if begin > end {
                 continue;
             }
@@ -105,8 +103,7 @@ impl PositionBox {
                 if !position.is_finite() {
                     return None;
                 }
-                all.low = all.low.min(position);
-                all.high = all.high.max(position);
+                all.around.include(DAabb::of_point(position));
                 all.size = all.size.max(size(motion.origin()) + size(displacement));
             }
         }
@@ -117,9 +114,10 @@ impl PositionBox {
     #[inline]
     fn heights(&self, normal: DVec3) -> HeightRange {
         let (along, across) = (normal.max(DVec3::ZERO), normal.min(DVec3::ZERO));
+        let DAabb { low, high } = self.around;
         HeightRange {
-            low: self.low.dot(along) + self.high.dot(across),
-            high: self.high.dot(along) + self.low.dot(across),
+            low: low.dot(along) + high.dot(across),
+            high: high.dot(along) + low.dot(across),
             size: self.size,
         }
     }

@@ -123,19 +123,14 @@ impl SliceBounds {
     /// One body of so many is part of a sample, on average.
     pub(super) const ONE_IN: u32 = 8;
 
-    /// Returns the boxes of a sample of the bodies, the same ones in every slice, whatever their order.
+    /// Returns the boxes of a sample of the bodies, the same ones in every slice, whatever their order; without fat lines.
     pub(super) fn sample(&self) -> Self {
         // Multiples of the golden ratio fill the range of numbers evenly.
         let is_sampled = |body: u32| body.wrapping_mul(0x9E37_79B9) <= u32::MAX / Self::ONE_IN;
         let mut sample = Self::default();
         for (one, &body) in self.boxes.iter().zip(&self.bodies) {
             if is_sampled(body) {
-                let place = short(sample.bodies.len());
-                sample.boxes.push(BodyBox {
-                    body: place,
-                    aabb: one.aabb,
-                });
-                sample.bodies.push(body);
+                sample.push(body, (FatLine::default(), one.aabb));
             }
         }
         sample
