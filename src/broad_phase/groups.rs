@@ -19,12 +19,12 @@ impl Groups {
     };
 
     /// Returns `count` groups, at most [`MAX`](Self::MAX). `admits` tells whether a body of one group and a body of
-    /// another or the same group may be a pair, in either order.
+    /// another or the same group may be a pair, in either order. It is asked about numbers below `count`.
     #[must_use]
     pub fn new(count: usize, admits: impl Fn(usize, usize) -> bool) -> Self {
         let mut groups = Self::ONE;
         groups.count = u8::try_from(count.clamp(1, Self::MAX)).unwrap_or(1);
-        for (one, partners) in groups.partners.iter_mut().enumerate() {
+        for (one, partners) in (0..groups.count()).zip(&mut groups.partners) {
             let others = (0..groups.count).filter(|&other| admits(one, usize::from(other)));
             *partners = others.fold(0, |bits, other| bits | 1 << other);
         }

@@ -24,7 +24,7 @@ impl LayerGroups {
 
     /// Returns the groups of different layers: one group if these are too many for [`Groups::MAX`].
     pub(super) fn of(different: impl ExactSizeIterator<Item = Layers> + Clone) -> Self {
-        if different.len() > Self::MANY {
+        if !(1..=Self::MANY).contains(&different.len()) {
             return Self::ONE;
         }
         let admitted = |own: Layers| {
@@ -47,14 +47,8 @@ impl LayerGroups {
             };
             layers.push((own, group));
         }
-        let admits = |one: usize, other: usize| {
-            let (Some((one, _)), Some((other, _))) =
-                (representatives.get(one), representatives.get(other))
-            else {
-                return false;
-            };
-            one.admits(*other)
-        };
+        let admits =
+            |one: usize, other: usize| representatives[one].0.admits(representatives[other].0);
         Self {
             layers,
             groups: Groups::new(representatives.len(), admits),
