@@ -79,12 +79,11 @@ impl Trajectory {
         };
         segments.put_extra(0, end(&leaving[0], 0, first_terms[0])?);
         segments.put_extra(1, end(&arriving[last], last, last_terms[1])?);
-        let [before, after] = [Outside::Absent; 2];
         let lists = SegmentLists {
             knots,
             segments,
-            before,
-            after,
+            before: Outside::Absent,
+            after: Outside::Absent,
             has_piece_after: false,
         };
         Ok(Self {

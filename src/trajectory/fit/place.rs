@@ -115,10 +115,8 @@ pub(super) fn place_knots(
         (step, from) = (to - from, to);
     }
     let balanced = evenly_shortened(&knots, last_share);
-    if let Some(error) = error_within(&balanced, tolerance, &mut motion)? {
-        knots = balanced;
-        return Ok(Placed { knots, error });
-    }
+    let within = error_within(&balanced, tolerance, &mut motion)?;
+    let (knots, error) = within.map_or((knots, error), |error| (balanced, error));
     Ok(Placed { knots, error })
 }
 
@@ -207,11 +205,10 @@ fn error_within(
     let mut largest = None;
     for pair in knots.windows(2) {
         let is_short = pair[1] - pair[0] < LEAST_STEP * f64::EPSILON * pair[0].abs();
-        let error = if is_short {
-            f64::INFINITY
-        } else {
-            motion.error(pair[0], pair[1])?.metres
-        };
+        if is_short {
+            return Ok(None);
+        }
+        let error = motion.error(pair[0], pair[1])?.metres;
         if error.is_nan() || error > tolerance {
             return Ok(None);
         }

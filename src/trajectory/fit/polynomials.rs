@@ -61,13 +61,12 @@ impl Trajectory {
             let max_knots = (FitOptions::MAX_KNOTS + 2).saturating_sub(added);
             let error_of = |from, to| Ok(polynomial.reduced([from, to], tolerance).1);
             let placed = place_knots(ends, tolerance, max_knots, error_of);
-            let placed = placed.map_err(|error| match error {
+            let placed = placed.map_err(|mut error| {
                 // The knots between all that are given count.
-                Error::FitKnots { time, .. } => Error::FitKnots {
-                    limit: FitOptions::MAX_KNOTS,
-                    time,
-                },
-                other => other,
+                if let Error::FitKnots { limit, .. } = &mut error {
+                    *limit = FitOptions::MAX_KNOTS;
+                }
+                error
             })?;
             error = error.max(placed.error);
             for pair in placed.knots.windows(2) {
