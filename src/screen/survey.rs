@@ -92,7 +92,6 @@ impl SceneSurvey {
         }
         let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
-        let window = (self.window.start(), self.window.end());
         let pieces = motions.iter().zip(body.trajectory.piece_knots().windows(2));
         for (motion, ends) in pieces {
             self.count_straight(motion, (ends[0], ends[1]));
@@ -102,7 +101,7 @@ impl SceneSurvey {
             self.plans.include(plan.extremes);
             let cubics = short(body.trajectory.cubics().len());
             let path = self.share_of_path * plan.path;
-            self.statistics.add(own, window, (path, cubics));
+            self.statistics.add(own, self.window.ends(), (path, cubics));
         }
         if let Some(extension) = extension {
             let plan = &body.trajectory;
@@ -131,12 +130,9 @@ impl SceneSurvey {
             for position in [at(from), at(to)] {
                 extremes.include(DAabb::of_point(position));
             }
-            let time = to - from;
-            self.statistics.body_time += time;
-            if time > 0.0 {
-                self.statistics.path += (motion.velocity() - self.velocity).length() * time;
-                self.statistics.segments += 1.0;
-            }
+            let path = (motion.velocity() - self.velocity).length() * (to - from);
+            self.statistics
+                .add((from, to), self.window.ends(), (path, 1));
         }
         self.beyond.include(extremes);
     }
@@ -147,9 +143,9 @@ impl SceneSurvey {
         for position in [begin, end] {
             self.beyond.include(DAabb::of_point(position));
         }
-        let window = (self.window.start(), self.window.end());
         let path = (end - begin - self.velocity * (to - from)).length();
-        self.statistics.add((from, to), window, (path, pieces));
+        self.statistics
+            .add((from, to), self.window.ends(), (path, pieces));
     }
 
     /// Returns a frame for all bodies that exist in the window, centred on most of them. Completes the statistics.

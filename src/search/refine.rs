@@ -47,13 +47,6 @@ struct NearPair {
     interval: (f64, f64),
 }
 
-impl NearPair {
-    const fn cubics(&self) -> [(u32, u32); 2] {
-        let ([a, b], [first_a, first_b]) = (self.bodies, self.hints);
-        [(a, first_a), (b, first_b)]
-    }
-}
-
 /// A span of a near pair, and the interval to examine.
 #[derive(Clone, Copy, Debug)]
 struct PairSpan {
@@ -170,13 +163,13 @@ impl CandidateRefiner {
                 later.bodies.into_iter().for_each(|body| bodies.fetch(body));
             }
             if let Some(later) = self.near.get(i + Self::AHEAD) {
-                for cubic in later.cubics() {
+                for cubic in later.bodies.into_iter().zip(later.hints) {
                     bodies.fetch_knots(cubic);
                 }
             }
-            let ([a, b], [first_a, first_b]) = (near.bodies, near.hints);
+            let [a, b] = near.bodies;
             let (knots_a, knots_b) = (bodies.knots(a), bodies.knots(b));
-            let (hints, interval) = ((first_a, first_b), near.interval);
+            let (hints, interval) = (near.hints.into(), near.interval);
             each_span((&knots_a, &knots_b), hints, interval, |span| {
                 self.spans.push(PairSpan {
                     a,
