@@ -127,8 +127,8 @@ struct Course {
 enum By {
     /// Plan by plan.
     Commands,
-    /// All states in one call.
-    Track,
+    /// All states in one call, which is made so many times between two ticks.
+    Track(u32),
 }
 
 impl Course {
@@ -187,15 +187,19 @@ fn count_ticks(course: Course) -> u64 {
         };
         let commands: Vec<Command> = match course.by {
             By::Commands => in_turn.clone().map(replan).collect(),
-            By::Track => Vec::new(),
+            By::Track(_) => Vec::new(),
         };
         events.clear();
         let counted = allocations();
         match course.by {
             By::Commands => drop(monitor.apply(commands).unwrap()),
-            By::Track => {
-                let states = in_turn.map(|(id, flown)| (*id, state_at(flown, before)));
-                monitor.track(before, states).unwrap();
+            By::Track(steps) => {
+                for step in 0..steps {
+                    let now = before + f64::from(step) / f64::from(60 * steps);
+                    let states = in_turn.clone();
+                    let states = states.map(|(id, flown)| (*id, state_at(flown, now)));
+                    monitor.track(now, states).unwrap();
+                }
             }
         }
         monitor
@@ -261,10 +265,23 @@ fn a_tick_with_states_told_in_one_call_allocates_nothing() {
     for replanned in [BODIES, 3 * BODIES / 10, 2] {
         let course = Course {
             replanned,
-            by: By::Track,
+            by: By::Track(1),
             ..Course::UNTOLD
         };
         assert_eq!(allocations_of_ticks(course), 0, "{replanned}");
+    }
+}
+
+/// A physics engine may take several steps between two ticks.
+#[test]
+fn a_tick_with_states_told_several_times_allocates_nothing() {
+    for steps in [2, 4] {
+        let course = Course {
+            replanned: BODIES,
+            by: By::Track(steps),
+            ..Course::UNTOLD
+        };
+        assert_eq!(allocations_of_ticks(course), 0, "{steps}");
     }
 }
 

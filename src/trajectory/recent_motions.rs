@@ -10,6 +10,7 @@ use super::segment_lists::SegmentLists;
 use super::straight::StraightMotion;
 use crate::count::short;
 use crate::rounding::without_negative_zero;
+use crate::simd::{prefetch, prefetch_first};
 use std::iter::once;
 use std::sync::OnceLock;
 
@@ -19,24 +20,27 @@ use std::sync::OnceLock;
 /// Each motion listed here is one piece. The last motion goes on for ever: only its first piece after the last knot is
 /// listed.
 ///
-/// Four cache lines: these numbers, and one for each motion.
+/// Eight cache lines. A body that is told a state a tick has its motions in the first three and all else in the seventh.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct RecentMotions {
-    /// The knots, and the end of the first piece after the last one: one more than there are pieces.
-    piece_knots: [f64; Self::ROOM + 1],
-    /// The cubics between the knots, for those who ask for a list of them.
-    segments: OnceLock<Box<[Segment]>>,
+    motions: [StraightMotion; Self::ROOM],
     /// Number of pieces.
     count: u32,
     before: Outside,
-    motions: [StraightMotion; Self::ROOM],
+    /// The cubics between the knots, for those who ask for a list of them.
+    segments: OnceLock<Box<[Segment]>>,
+    /// The knots, and the end of the first piece after the last one: one more than there are pieces.
+    piece_knots: [f64; Self::ROOM + 1],
 }
 
 impl RecentMotions {
-    /// Largest number of pieces. A body that is told a state each frame has as many: the piece that ended when the
-    /// clock was last advanced, the piece until the state is told, and the piece from then on.
-    const ROOM: usize = 3;
+    /// Number of pieces of a body that is told a state each tick: the piece that ended when the clock was last advanced, the
+    /// piece until the state is told, and the piece from then on.
+    const USUAL: usize = 3;
+    /// Largest number of pieces. There is one more for each further state between two ticks: of a physics engine that takes
+    /// up to four steps a tick.
+    const ROOM: usize = Self::USUAL + 3;
 
     /// Returns lists in this form, if they hold a few straight motions, one after another.
     pub(super) fn of(lists: &SegmentLists) -> Option<Self> {
@@ -61,6 +65,12 @@ impl RecentMotions {
         };
         let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
         (is_whole && *after == recent.last().segment()).then_some(recent)
+    }
+
+    /// Prefetches what a body has that is told a state each tick.
+    pub(super) fn prefetch(&self) {
+        prefetch(&self.motions[..Self::USUAL]);
+        prefetch_first(&self.count);
     }
 
     const fn pieces(&self) -> usize {
@@ -284,9 +294,15 @@ fn cut_after(knot: f64, motion: &StraightMotion, number: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::mem::offset_of;
 
     #[test]
-    fn recent_motions_take_four_cache_lines() {
-        assert_eq!(size_of::<RecentMotions>(), 256);
+    fn what_is_told_each_tick_takes_four_cache_lines() {
+        let motions = offset_of!(RecentMotions, motions) + RecentMotions::USUAL * 64;
+        let first = offset_of!(RecentMotions, count);
+        let last = offset_of!(RecentMotions, piece_knots) + (RecentMotions::USUAL + 1) * 8;
+        assert!(size_of::<StraightMotion>() == 64 && motions <= 192);
+        assert!(first % 64 == 0 && last <= first + 64, "{first} {last}");
+        assert_eq!(size_of::<RecentMotions>(), 512);
     }
 }

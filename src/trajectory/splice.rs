@@ -291,7 +291,7 @@ impl Trajectory {
         const KNOTS: usize = 8;
         match &self.storage {
             Storage::Straight(_, ends) => prefetch_first(ends),
-            Storage::Recent(recent) => prefetch(from_ref(&**recent)),
+            Storage::Recent(recent) => recent.prefetch(),
             Storage::Lists(lists) => {
                 prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
                 prefetch(lists.segments.extra());
@@ -385,7 +385,9 @@ mod tests {
                 // Usually each frame, at times long after, or with what was before.
                 let mix = (round * 41 + frame).wrapping_mul(2_654_435_761) >> 16;
                 now += [0.1, 0.5, 3.0, 7.0, 40.0][(mix % 9).saturating_sub(4) as usize];
-                let since = now - [0.0, 0.1, 0.5, 20.0][(mix / 9 % 7).saturating_sub(3) as usize];
+                let history = [0.0, 0.1, 0.5, 20.0][(mix / 9 % 7).saturating_sub(3) as usize];
+                // Some keep more than there is room for in place.
+                let since = now - if round % 20 == 0 { 20.0 } else { history };
                 let age = [0.0, 0.0, 2.0, 1e9][(mix / 63 % 4) as usize];
                 let velocity = DVec3::new(f64::from(mix % 5), 1.0, 0.1);
                 let state = State::new(now - age, DVec3::X * f64::from(mix % 7), velocity);
