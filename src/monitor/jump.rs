@@ -60,6 +60,8 @@ impl JumpSearch {
         found: &mut Vec<SpanKey>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let (admission, meter) = (&work.admission, &mut work.meter);
+        // What has changed since the last call counts from there on, with all instants that are rounded to it.
+        self.at = self.at.min(earliest_exact(from));
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
         let until = meter.until().unwrap_or(f64::INFINITY);
         while self.at < to {

@@ -3,7 +3,10 @@
 
 use super::support::{line, rng};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, BodyId, Conflict, Monitor, Query, Scene, Trajectory, Window};
+use nearmiss::{
+    AlertLevel, Body, BodyId, Budget, Conflict, EventKind, Monitor, Query, Scene, Trajectory,
+    Window,
+};
 use rand::RngExt;
 
 /// Instants are 2^-23 s apart; all lasts for a thousand of them.
@@ -113,5 +116,35 @@ fn slices_and_jumps_see_what_is_told_at_their_ends() {
         let is_told = !screened(&scene, NOW, NOW + 100.0 * LOOKAHEAD).is_empty();
         assert_eq!(jump(None), is_told, "{passing:?}");
         assert_eq!(jump(Some(NOW)), is_told, "{passing:?}");
+    }
+}
+
+/// A body that changes while the monitor is behind a clock that has jumped: what ended a third of a spacing before the
+/// instant up to which all was reported is reported there.
+#[test]
+fn a_jump_that_goes_on_sees_what_is_told_at_its_beginning() {
+    for ticks in 1..6 {
+        let (scene, [_, id]) = pair(resting(9.0, LONG));
+        let mut monitor = monitor(scene);
+        let (clock, mut events) = (NOW + 100.0 * LOOKAHEAD, Vec::new());
+        monitor.advance(NOW, &mut events).unwrap();
+        for _ in 0..ticks {
+            monitor
+                .advance_within(clock, Budget::Work(1), &mut events)
+                .unwrap();
+        }
+        let time = monitor.complete_until();
+        assert!(NOW < time && time < clock && events.is_empty());
+        let passing = Passing {
+            time,
+            later: -0.3,
+            velocity: SPEED,
+        };
+        monitor.set_trajectory(id, passing.plan(LONG)).unwrap();
+        assert_eq!(screened(monitor.scene(), time, clock).len(), 1);
+        monitor.advance(clock, &mut events).unwrap();
+        let begins = |kind: &EventKind| matches!(kind, EventKind::Began(it) if it.exit == time);
+        let begun = events.iter().filter(|event| begins(&event.kind));
+        assert_eq!(begun.count(), 1, "{ticks} {events:?}");
     }
 }
