@@ -167,7 +167,16 @@ impl ReadContext<'_> {
                 self.contacts(slots, margin, interval, contacts);
                 contacts.first()?.closest
             } else {
-                self.search.solved.closest(slots, interval, clip)?
+                contacts.clear();
+                if interval.0 >= interval.1 {
+                    // The instant may be that of a knot, and one of both spans beyond the margin there.
+                    self.contacts(slots, margin, window, contacts);
+                }
+                let holds = |one: &&Contact| one.enter <= interval.0 && interval.1 <= one.exit;
+                match contacts.iter().find(holds) {
+                    Some(contact) => contact.closest,
+                    None => self.search.solved.closest(slots, interval, clip)?,
+                }
             };
             let [a, b] = self.views(slots)?;
             (describe(&approach, &a, &b), approach.plateau)

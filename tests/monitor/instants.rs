@@ -1,11 +1,11 @@
 //! Late on the clock, where instants are far apart: what begins or ends between two of them is reported at one, and
 //! questions and jumps of the clock see it there.
 
-use super::support::{line, rng};
+use super::support::{bits, line, rng, vector};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Conflict, EventKind, Monitor, Query, Scene, Trajectory,
-    Window,
+    AlertLevel, Body, BodyId, Budget, Conflict, EventKind, Monitor, Query, Scene, State,
+    Trajectory, Window,
 };
 use rand::RngExt;
 
@@ -147,4 +147,31 @@ fn a_jump_that_goes_on_sees_what_is_told_at_its_beginning() {
         let begun = events.iter().filter(|event| begins(&event.kind));
         assert_eq!(begun.count(), 1, "{ticks} {events:?}");
     }
+}
+
+/// A contact that begins just after the end of the lookahead, and is reported there. That is the instant of a knot: the
+/// cubic before it, whose distance there is another one by rounding, is beyond the margin.
+#[test]
+fn a_contact_that_begins_at_a_knot_and_at_the_end_of_the_lookahead_is_as_screened() {
+    let (mut rng, mut found) = (rng(29), 0);
+    let end = NOW + LOOKAHEAD;
+    for _ in 0..1_000 {
+        let velocity = vector(&mut rng, 2e4);
+        let direction = -velocity.normalize();
+        let later = rng.random_range(0.0..0.4) * ULP;
+        let place = direction * (1.0 + later * velocity.length());
+        let states = [NOW - LOOKAHEAD, end, end + LOOKAHEAD].map(|time| {
+            let bent = velocity + vector(&mut rng, 10.0);
+            State::new(time, place + (time - end) * velocity, bent)
+        });
+        let (scene, _) = pair(Trajectory::from_states(&states).unwrap());
+        // The first one keeps the cubic before the knot.
+        let levels = [AlertLevel::at(5.0), AlertLevel::at(1.0)];
+        let mut monitor = Monitor::new(scene, NOW, LOOKAHEAD, &levels).unwrap();
+        monitor.advance(NOW, &mut Vec::new()).unwrap();
+        let expected = bits(&screened(monitor.scene(), NOW, end));
+        assert_eq!(bits(monitor.conflicts(1).unwrap()), expected, "{velocity}");
+        found += expected.len();
+    }
+    assert!(found > 500, "{found}");
 }
