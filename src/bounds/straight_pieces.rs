@@ -182,8 +182,9 @@ mod tests {
         let window = Window::new(-0.5, 3.0).unwrap_or_else(|_| unreachable!());
         for told in [-0.8, -0.5, -0.2, 0.0] {
             let next = motion(told);
-            if trajectory.can_replace(told, &next, window) {
-                trajectory.replace(told, &next, told - 0.25);
+            let since = told - 0.25;
+            if trajectory.can_replace((told, since), &next, window) {
+                trajectory.replace(told, &next, since);
             } else {
                 let mut plan = Trajectory::of_straight(next);
                 assert!(plan.precede_by(&trajectory, told, told - 0.1).is_ok());

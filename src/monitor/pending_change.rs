@@ -218,7 +218,8 @@ impl PendingChange {
         })?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let can = keeps_shape && old.can_replace(from, &pending.motion, context.window);
+        let times = (from, context.forget_before);
+        let can = keeps_shape && old.can_replace(times, &pending.motion, context.window);
         if can {
             self.late = Some(from).filter(|from| pending.from < *from);
             pending.from = from;

@@ -227,7 +227,7 @@ impl Monitor {
         if old.follows(motion, from) {
             return Ok(ToldPlan::Same(from));
         }
-        if old.can_replace(from, motion, context.window) {
+        if old.can_replace((from, context.forget_before), motion, context.window) {
             return Ok(ToldPlan::InPlace(from));
         }
         let done = plan.precede_by(old, from, context.forget_before);

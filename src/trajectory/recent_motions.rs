@@ -114,16 +114,54 @@ impl RecentMotions {
     /// changes nothing, if there is no room.
     pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) -> bool {
         let from = without_negative_zero(from);
-        // The motion so far goes on up to there, in the pieces that it is cut into.
-        let (before, last, last_knot) = (self.pieces(), *self.last(), self.last_knot());
-        let cut = |number: usize| cut_after(last_knot, &last, number);
+        let Some((before, dropped, kept)) = self.pieces_kept(from, motion, since) else {
+            return false;
+        };
+        let (last, last_knot) = (self.motions[before - 1], self.piece_knots[before - 1]);
+        for place in 0..kept {
+            let number = dropped + place;
+            if let Some(beyond) = number.checked_sub(before) {
+                self.motions[place] = last;
+                self.piece_knots[place] = cut_after(last_knot, &last, beyond + 1);
+            } else {
+                self.motions[place] = self.motions[number];
+                self.piece_knots[place] = self.piece_knots[number];
+            }
+        }
+        self.append((dropped, kept), from, motion);
+        if from < motion.start() {
+            self.append((0, kept + 1), motion.start(), motion);
+        }
+        true
+    }
+
+    /// Returns how many pieces begin before an instant (s) from which a motion is to be followed; how many of these, and of
+    /// those into which the last of them is cut up to there, are dropped and kept. `None` if the motion cannot be
+    /// [replaced](Self::replace) here.
+    pub(super) fn pieces_kept(
+        &self,
+        from: f64,
+        motion: &StraightMotion,
+        since: f64,
+    ) -> Option<(usize, usize, usize)> {
+        let before = self.knots().iter().take_while(|knot| **knot < from).count();
+        let place = before.checked_sub(1)?;
+        let (last, last_knot) = (&self.motions[place], self.piece_knots[place]);
+        let cut = |number: usize| cut_after(last_knot, last, number);
         let beyond = if from <= self.piece_knots[before] {
             0
         } else {
             (1..).take_while(|&number| cut(number) < from).count()
         };
+        // A state may lie ahead: up to there its motion is one more piece.
+        let start = motion.start();
+        let is_ahead = from < start;
+        let knot = if is_ahead { start } else { from };
         let is_past = |knot: &f64| *knot < since;
-        let mut past = self.knots().iter().take_while(|knot| is_past(knot)).count();
+        let mut past = self.piece_knots[..before]
+            .iter()
+            .take_while(|knot| is_past(knot))
+            .count();
         if past == before {
             let later = (1..=beyond).map(cut).chain(once(from));
             past += later.take_while(is_past).count();
@@ -131,23 +169,11 @@ impl RecentMotions {
         let pieces = before + beyond;
         let dropped = past.saturating_sub(1).min(pieces - 1);
         let kept = pieces - dropped;
-        let end = cut_after(from, motion, 1);
-        let is_piece = end > from && motion.check_followable((from, end), 0).is_ok();
-        if !is_piece || kept >= Self::ROOM {
-            return false;
-        }
-        for place in 0..kept {
-            let number = dropped + place;
-            if let Some(beyond) = number.checked_sub(before) {
-                self.motions[place] = last;
-                self.piece_knots[place] = cut(beyond + 1);
-            } else {
-                self.motions[place] = self.motions[number];
-                self.piece_knots[place] = self.piece_knots[number];
-            }
-        }
-        self.append((dropped, kept), from, motion);
-        true
+        let end = cut_after(knot, motion, 1);
+        let is_piece = end > knot
+            && motion.check_followable((from, end), 0).is_ok()
+            && (!is_ahead || is_one_piece_before(motion, from) && !is_past(&from));
+        (is_piece && kept + usize::from(is_ahead) < Self::ROOM).then_some((before, dropped, kept))
     }
 
     /// Replaces the motion, without checks: [`LastMotion::is_replaced_by`] must be true. Then there is room, and the
@@ -289,6 +315,11 @@ impl LastMotion {
 fn cut_after(knot: f64, motion: &StraightMotion, number: usize) -> f64 {
     // There are far fewer: each is twice as far from the knot.
     DoublingCuts::cut(knot, motion.duration(), short(number))
+}
+
+/// Returns true if a motion goes back from its state to an instant (s) in one piece.
+fn is_one_piece_before(motion: &StraightMotion, time: f64) -> bool {
+    DoublingCuts::cut(motion.start(), -motion.duration(), 1) <= time
 }
 
 #[cfg(test)]

@@ -179,33 +179,51 @@ impl Trajectory {
         lists.forget_before(since);
         if is_line {
             lists.add_piece_after();
+            if let Some(recent) = RecentMotions::of(lists) {
+                self.storage = Storage::Recent(Box::new(recent));
+            }
         }
         Ok(())
     }
 
     /// Returns true if [`replace`](Self::replace) can be done, and the motion followed over `window` then.
-    pub(crate) fn can_replace(&self, from: f64, motion: &StraightMotion, window: Window) -> bool {
+    pub(crate) fn can_replace(
+        &self,
+        (from, since): (f64, f64),
+        motion: &StraightMotion,
+        window: Window,
+    ) -> bool {
         let knots = self.knots();
         let (Some(&first), Some(&last), None) = (knots.first(), knots.last(), self.straight())
         else {
             return false;
         };
-        let goes_on =
-            self.outside_after() == Outside::Coast && motion.start() <= from && last < from;
         let begins = self.outside_before() == Outside::Absent || first < window.start();
-        if !goes_on || !begins {
+        if !begins || self.outside_after() != Outside::Coast {
             return false;
         }
+        let start = motion.start();
+        if last >= from || start > from {
+            // Only where motions are not in lists.
+            let Storage::Recent(recent) = &self.storage else {
+                return false;
+            };
+            if recent.pieces_kept(from, motion, since).is_none() {
+                return false;
+            }
+        }
         let number = knots.len();
-        let is_known = match self.straight_motions().last() {
-            Some(motion) => motion.check_followable((last, from), number - 1),
-            None => self
-                .segment_after()
-                .check_followable((last, from), number - 1),
-        };
-        let mut reached = from;
-        is_known.is_ok()
-            && DoublingCuts::of(from, motion.duration(), window.end().next_up()).all(|cut| {
+        let is_known = last >= from
+            || match self.straight_motions().last() {
+                Some(motion) => motion.check_followable((last, from), number - 1).is_ok(),
+                None => self
+                    .segment_after()
+                    .check_followable((last, from), number - 1)
+                    .is_ok(),
+            };
+        let mut reached = from.max(start);
+        is_known
+            && DoublingCuts::of(reached, motion.duration(), window.end().next_up()).all(|cut| {
                 let piece = (std::mem::replace(&mut reached, cut), cut);
                 motion.check_followable(piece, number).is_ok()
             })
@@ -394,8 +412,8 @@ mod tests {
                 let Ok(motion) = Trajectory::coasting_motion(&state) else {
                     unreachable!("it is usable")
                 };
-                assert!(one.can_replace(now, &motion, window(now)));
-                assert!(other.can_replace(now, &motion, window(now)));
+                assert!(one.can_replace((now, since), &motion, window(now)));
+                assert!(other.can_replace((now, since), &motion, window(now)));
                 let first = one.piece_knots()[0];
                 let last = one.last_motion();
                 let is_checked =
@@ -439,5 +457,49 @@ mod tests {
             in_place > 5_000 && in_lists > 200 && checked > 1_000 && extended > 500,
             "{counts:?}"
         );
+    }
+
+    /// Bodies that are told again for the same instant or an earlier one, and states that lie ahead.
+    #[test]
+    fn what_is_told_again_or_ahead_is_the_same_plan() {
+        let mut counts = [0; 4];
+        for round in 0..300_u32 {
+            let mut one = plan(&[0.0], Outside::Coast);
+            let mut other = one.clone();
+            let (mut now, mut from, mut since) = (1.0_f64, 1.0_f64, 0.5_f64);
+            for frame in 0..40_u32 {
+                let mix = (round * 41 + frame).wrapping_mul(2_654_435_761) >> 16;
+                since = since.max(now - [0.0, 0.0, 0.1, 0.5][(mix % 4) as usize]);
+                now += [0.1, 0.1, 0.3, 8.0][(mix / 4 % 7).saturating_sub(3) as usize];
+                from = [now, now, from, since, since - 0.02][(mix / 28 % 5) as usize];
+                from = from.max(other.domain().start());
+                let ahead = [0.0, 0.05, 0.25, 5.0, 7.0, -2.0][(mix / 140 % 6) as usize];
+                let (x, y) = (f64::from(mix % 7), f64::from(mix % 5));
+                let state = State::new(from + ahead, DVec3::X * x, DVec3::new(0.1, y, 1.0));
+                let motion = Trajectory::coasting_motion(&state).unwrap_or_else(|_| unreachable!());
+                let mut next = Trajectory::of_straight(motion);
+                assert!(next.precede_by(&other, from, since).is_ok());
+                let is_back = one.knots().last().is_some_and(|&last| from <= last);
+                let window = Window::new(since - 1.0, now + 9.0).unwrap_or(Window::ALL);
+                if one.can_replace((from, since), &motion, window) {
+                    one.replace(from, &motion, since);
+                    counts[usize::from(is_back) + 2 * usize::from(ahead > 0.0)] += 1;
+                } else {
+                    let mut plan = Trajectory::of_straight(motion);
+                    assert!(plan.precede_by(&one, from, since).is_ok());
+                    one = plan;
+                }
+                other = next;
+                assert_eq!(one.knots(), other.knots(), "{round} {frame}");
+                assert_eq!(one.piece_knots(), other.piece_knots());
+                assert_eq!(one.segments(), other.segments());
+                assert_eq!(one.segment_after(), other.segment_after());
+                assert_eq!(one.outside_before(), other.outside_before());
+                for time in [since, now - 0.05, from, now, now + 1.0, now + 99.0] {
+                    assert_eq!(one.state(time), other.state(time));
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
     }
 }
