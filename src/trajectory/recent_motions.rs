@@ -164,15 +164,19 @@ impl RecentMotions {
             .count();
         if past == before {
             let later = (1..=beyond).map(cut).chain(once(from));
-            past += later.take_while(is_past).count();
+            past += later
+                .chain(is_ahead.then_some(start))
+                .take_while(is_past)
+                .count();
         }
+        // The last piece before the motion's own last one stays.
         let pieces = before + beyond;
-        let dropped = past.saturating_sub(1).min(pieces - 1);
+        let dropped = past.saturating_sub(1).min(pieces - usize::from(!is_ahead));
         let kept = pieces - dropped;
         let end = cut_after(knot, motion, 1);
         let is_piece = end > knot
             && motion.check_followable((from, end), 0).is_ok()
-            && (!is_ahead || is_one_piece_before(motion, from) && !is_past(&from));
+            && (!is_ahead || is_one_piece_before(motion, from));
         (is_piece && kept + usize::from(is_ahead) < Self::ROOM).then_some((before, dropped, kept))
     }
 
