@@ -52,21 +52,12 @@ struct Crossed {
 
 /// Known facts about a part that must be divided.
 struct Mixed {
-    start: Verdict,
-    end: Verdict,
+    /// True where the end is certainly outside.
+    starts_outside: bool,
+    ends_outside: bool,
     /// Bounds of the squared distance.
     least: f64,
     greatest: f64,
-}
-
-/// The next step for a part of which only the outer end is certainly outside. Fractions count from
-/// the inner end; everything beyond them is outside.
-enum Trim {
-    None,
-    /// Examine the part before the fraction.
-    Examine(f64),
-    /// The part before the fraction is undecided for good.
-    Undecided(f64),
 }
 
 impl UncertainCubic {
@@ -150,8 +141,8 @@ impl PartitionSearch {
                 outside: outside == SignPattern::Falling,
             }),
             _ => PartPattern::Mixed(Mixed {
-                start: self.own.side(s0 - error, s0 + error),
-                end: self.own.side(s3 - error, s3 + error),
+                starts_outside: s0 - error > self.own.outside,
+                ends_outside: s3 - error > self.own.outside,
                 least,
                 greatest,
             }),
@@ -160,28 +151,8 @@ impl PartitionSearch {
 
     /// Returns true if the part stays so near the threshold that dividing it gains nothing.
     fn is_undecidable(&self, mixed: &Mixed) -> bool {
-        self.blurred.side(mixed.least, mixed.least) != Verdict::Inside
-            && self.blurred.side(mixed.greatest, mixed.greatest) != Verdict::Outside
-    }
-
-    /// Returns the trim of a part, counted from its end that is not outside.
-    fn trim(&self, points: &ControlPolygon, least: f64) -> Trim {
-        /// Limits beyond which halving is as good.
-        const WORTHWHILE: f64 = 0.375;
-        const SETTLED: f64 = 0.875;
-        let reach = Minorant::of(points).parameter_bound(self.computed.outside);
-        if reach < WORTHWHILE {
-            // Twice as far, where outside is certain by a margin: then the next step settles it.
-            return Trim::Examine(2.0 * reach);
-        }
-        // A touch: all of the part is next to the outer threshold or beyond, and so is what is trimmed.
-        let touching = (self.high - 4.0 * self.cubic.part_error()).max_or_other(0.0);
-        let is_next = |x: f64| point(points, x).length_squared() <= self.blurred.outside;
-        if reach < SETTLED && least >= touching * touching && is_next(reach) {
-            Trim::Undecided(reach)
-        } else {
-            Trim::None
-        }
+        let leaves = mixed.least < self.blurred.inside || mixed.greatest > self.blurred.outside;
+        !leaves
     }
 
     /// Returns the last parameter that is certainly inside and the first that is certainly outside.
@@ -264,10 +235,7 @@ impl PartitionSearch {
         } else {
             *points
         };
-        match (
-            mixed.start == Verdict::Outside,
-            mixed.end == Verdict::Outside,
-        ) {
+        match (mixed.starts_outside, mixed.ends_outside) {
             (true, true) => {
                 if Minorant::of(&inner).lower() > self.computed.outside {
                     self.found.append(end, Verdict::Outside);
@@ -276,8 +244,7 @@ impl PartitionSearch {
             }
             (false, false) => {}
             _ => {
-                let trim = self.trim(&inner, mixed.least);
-                if self.trim_off((start, end), is_falling, &trim, depth) {
+                if self.trim((start, end), (&inner, is_falling), mixed.least, depth) {
                     return;
                 }
             }
@@ -287,32 +254,47 @@ impl PartitionSearch {
         self.examine(s, end, depth + 1);
     }
 
-    /// Appends the part divided at the trim, if there is one.
-    fn trim_off(
+    /// Appends a part of which only one end is certainly outside, if the minorant shows what to cut off at that end; returns
+    /// false where halving is as good. The polygon is counted from the other end.
+    fn trim(
         &mut self,
         (start, end): (f64, f64),
-        is_falling: bool,
-        trim: &Trim,
+        (points, is_falling): (&ControlPolygon, bool),
+        least: f64,
         depth: u32,
     ) -> bool {
-        let (Trim::Examine(x) | Trim::Undecided(x)) = *trim else {
-            return false;
+        /// Fractions of the part beyond which halving is as good.
+        const WORTHWHILE: f64 = 0.375;
+        const SETTLED: f64 = 0.875;
+        let reach = Minorant::of(points).parameter_bound(self.computed.outside);
+        let is_touch = || {
+            // All of the part is next to the outer threshold or beyond, and so is what is cut off.
+            let touching = (self.high - 4.0 * self.cubic.part_error()).max_or_other(0.0);
+            reach < SETTLED
+                && least >= touching * touching
+                && point(points, reach).length_squared() <= self.blurred.outside
         };
-        let (width, rounding) = (end - start, 4.0 * UNIT_ROUNDOFF * end);
-        let inner = |search: &mut Self, start: f64, end: f64| match trim {
-            Trim::Examine(_) => search.examine(start, end, depth + 1),
-            Trim::Undecided(_) | Trim::None => search.found.append(end, Verdict::Undecided),
+        let is_examined = reach < WORTHWHILE;
+        if !is_examined && !is_touch() {
+            return false;
+        }
+        // Twice as far, where outside is certain by a margin: then the next step settles it.
+        let fraction = if is_examined { 2.0 * reach } else { reach };
+        let (way, rounding) = (fraction * (end - start), 4.0 * UNIT_ROUNDOFF * end);
+        let (from, to) = if is_falling {
+            ((end - way - rounding).max_or_other(start), end)
+        } else {
+            (start, (start + way + rounding).min_or_other(end))
         };
         if is_falling {
-            let s = (end - x * width - rounding).max_or_other(start);
-            self.found.append(s, Verdict::Outside);
-            inner(self, s, end);
+            self.found.append(from, Verdict::Outside);
+        }
+        if is_examined {
+            self.examine(from, to, depth + 1);
         } else {
-            inner(
-                self,
-                start,
-                (start + x * width + rounding).min_or_other(end),
-            );
+            self.found.append(to, Verdict::Undecided);
+        }
+        if !is_falling {
             self.found.append(end, Verdict::Outside);
         }
         true
