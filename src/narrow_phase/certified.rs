@@ -43,8 +43,6 @@ pub(crate) struct CertifiedContact {
 pub(crate) struct Workspace {
     members: Vec<UncertainPair>,
     intervals: Vec<VerdictInterval>,
-    /// Place of each member, as numbered at first, in the order of time and sphere numbers.
-    ranks: Vec<usize>,
     summaries: Vec<MemberSummary>,
 }
 
@@ -53,8 +51,6 @@ pub(crate) struct Workspace {
 struct UncertainPair {
     span: Span,
     pair: SpherePair,
-    /// Its number in the order of solving.
-    number: usize,
     /// Number of its intervals, also of those outside the window.
     count: usize,
 }
@@ -65,6 +61,7 @@ pub(super) struct VerdictInterval {
     start: f64,
     end: f64,
     side: Verdict,
+    /// Number of the member in the order of solving.
     member: usize,
     /// True if the window cuts it.
     is_clipped: bool,
@@ -173,7 +170,6 @@ impl Workspace {
             self.members.push(UncertainPair {
                 span,
                 pair: *pair,
-                number,
                 count,
             });
         }
@@ -191,27 +187,9 @@ impl Workspace {
         let Self {
             members,
             intervals,
-            ranks,
             summaries,
         } = self;
-        members.sort_by(|x, y| {
-            let time = x.span.start.total_cmp(&y.span.start);
-            time.then((x.pair.a, x.pair.b).cmp(&(y.pair.a, y.pair.b)))
-        });
-        ranks.clear();
-        ranks.resize(members.len(), 0);
-        for (rank, member) in members.iter().enumerate() {
-            ranks[member.number] = rank;
-        }
-        for interval in &mut *intervals {
-            interval.member = ranks[interval.member];
-        }
-        intervals.sort_unstable_by(|x, y| {
-            let order = x.start.total_cmp(&y.start);
-            order
-                .then(x.end.total_cmp(&y.end))
-                .then(x.member.cmp(&y.member))
-        });
+        intervals.sort_unstable_by(|x, y| x.start.total_cmp(&y.start));
         let mut first = 0;
         while first < intervals.len() {
             let mut end = intervals[first].end;
@@ -220,7 +198,7 @@ impl Workspace {
                 end = end.max(intervals[next].end);
                 next += 1;
             }
-            summarise(&intervals[first..next], summaries);
+            summarise(members, &intervals[first..next], summaries);
             let group = MergedConflict {
                 members,
                 intervals: &intervals[first..next],
@@ -322,8 +300,12 @@ fn threshold(a: f64, b: f64, margin: f64) -> Threshold {
     }
 }
 
-/// Summarises intervals by member; replaces the content of `summaries`.
-fn summarise(intervals: &[VerdictInterval], summaries: &mut Vec<MemberSummary>) {
+/// Summarises intervals by member, in the order of time and sphere numbers; replaces the content of `summaries`.
+fn summarise(
+    members: &[UncertainPair],
+    intervals: &[VerdictInterval],
+    summaries: &mut Vec<MemberSummary>,
+) {
     summaries.clear();
     summaries.extend(intervals.iter().map(|interval| MemberSummary {
         member: interval.member,
@@ -332,7 +314,12 @@ fn summarise(intervals: &[VerdictInterval], summaries: &mut Vec<MemberSummary>) 
         count: usize::from(!interval.is_clipped),
         is_inside: interval.side == Verdict::Inside,
     }));
-    summaries.sort_unstable_by_key(|summary| summary.member);
+    summaries.sort_unstable_by(|x, y| {
+        let [one, other] = [x, y].map(|summary| &members[summary.member]);
+        let time = one.span.start.total_cmp(&other.span.start);
+        time.then((one.pair.a, one.pair.b).cmp(&(other.pair.a, other.pair.b)))
+            .then(x.member.cmp(&y.member))
+    });
     summaries.dedup_by(|later, summary| {
         let is_same = later.member == summary.member;
         if is_same {
