@@ -181,31 +181,18 @@ impl SpherePair {
         span: Span,
         margin: f64,
     ) -> bool {
-        let radii = (self.radius_a, self.radius_b);
+        let radius = self.radius(margin);
+        // Below zero no distance is small enough, whatever the rounding.
         if self.path_error > 0.0 {
             let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
-            let radius = self.radius(margin) + self.path_error;
+            let radius = radius + self.path_error;
             return radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding);
         }
         let [segment_a, segment_b] = &a.segments_in(b, span);
         let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
         let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-        spheres_beyond(&self.cubic.points, radii, margin, scale)
+        radius < 0.0 || certainly_beyond(&self.cubic.points, rejection_threshold(radius, scale))
     }
-}
-
-/// Returns true if cheap tests show that the separation of spheres with these radii stays above
-/// `margin` along the cubic with these control points. `scale` (m) is the magnitude of their
-/// rounding.
-pub(super) fn spheres_beyond(
-    points: &[DVec3; 4],
-    (radius_a, radius_b): (f64, f64),
-    margin: f64,
-    scale: f64,
-) -> bool {
-    let radius = contact_radius(radius_a, radius_b, margin);
-    // Below zero no distance is small enough, whatever the rounding.
-    radius < 0.0 || certainly_beyond(points, rejection_threshold(radius, scale))
 }
 
 /// Returns the difference of squared distances above which one distance exceeds another one by more
