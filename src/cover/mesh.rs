@@ -1,33 +1,18 @@
 //! Triangle meshes: the nearest point of the surface, and which side a point is on.
 
+use super::box_tree::BoxTree;
 use super::nearest_point::{nearest_on_segment, nearest_on_triangle};
 use super::surface::{Surface, is_closed};
 use glam::DVec3;
 
-/// Triangles in a tree of boxes.
+/// A surface of triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
-    points: Vec<DVec3>,
-    /// Triangles in the order of the tree's leaves, as numbers of their points. The last two are
-    /// the same where a triangle is a segment, or a point.
-    triangles: Vec<[usize; 3]>,
-    nodes: Vec<Node>,
+    /// The last two corners of a triangle are the same where it is a segment, or a point.
+    tree: BoxTree<3>,
     /// True if each edge is passed as often one way as the other.
     closed: bool,
 }
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    low: DVec3,
-    high: DVec3,
-    /// The triangles within.
-    first: usize,
-    end: usize,
-    /// The node after all nodes within this one. The first of these follows the node itself.
-    after: usize,
-}
-
-const LEAF: usize = 4;
 
 impl Mesh {
     /// Takes points of one place for one point. A triangle with two of its corners there is a segment of the
@@ -43,15 +28,10 @@ impl Mesh {
         }
         let with_area = triangles.iter().filter(|[_, b, c]| b != c);
         let closed = is_closed(with_area.map(<[usize; 3]>::as_slice));
-        let mut mesh = Self {
-            points,
-            triangles: Vec::new(),
-            nodes: Vec::new(),
+        Self {
+            tree: BoxTree::new(points, triangles),
             closed,
-        };
-        mesh.build(&mut triangles, 0);
-        mesh.triangles = triangles;
-        mesh
+        }
     }
 
     pub(super) const fn is_closed(&self) -> bool {
@@ -59,54 +39,13 @@ impl Mesh {
     }
 
     pub(super) fn surface(&self) -> Surface {
-        let mut surface = Surface::new(self.points.clone(), self.closed);
-        for triangle in &self.triangles {
+        let mut surface = Surface::new(self.tree.points.clone(), self.closed);
+        for triangle in &self.tree.items {
             let [_, b, c] = triangle;
             let corners = if b == c { 2 } else { 3 };
             surface.push_polygon(triangle[..corners].iter().copied());
         }
         surface
-    }
-
-    fn corners(&self, triangle: &[usize; 3]) -> [DVec3; 3] {
-        triangle.map(|corner| self.points[corner])
-    }
-
-    /// Adds the node of some triangles, whose first has this number, and all nodes within.
-    fn build(&mut self, triangles: &mut [[usize; 3]], first: usize) {
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for point in triangles
-            .iter()
-            .flatten()
-            .map(|&corner| self.points[corner])
-        {
-            (low, high) = (low.min(point), high.max(point));
-        }
-        let own = self.nodes.len();
-        self.nodes.push(Node {
-            low,
-            high,
-            first,
-            end: first + triangles.len(),
-            after: own + 1,
-        });
-        if triangles.len() > LEAF {
-            let axis = DVec3::AXES[(high - low).max_position()];
-            let place = |triangle: &[usize; 3]| -> f64 {
-                triangle
-                    .iter()
-                    .map(|&corner| self.points[corner].dot(axis))
-                    .sum()
-            };
-            let half = triangles.len() / 2;
-            triangles.select_nth_unstable_by(half, |a, b| {
-                place(a).total_cmp(&place(b)).then_with(|| a.cmp(b))
-            });
-            let (lower, upper) = triangles.split_at_mut(half);
-            self.build(lower, first);
-            self.build(upper, first + half);
-        }
-        self.nodes[own].after = self.nodes.len();
     }
 
     /// Returns a point of the surface: the nearest one to rounding, or to the height of a triangle that is a sliver.
@@ -141,35 +80,10 @@ impl Mesh {
         &self,
         at: DVec3,
         most: f64,
-        mut of_triangle: impl FnMut([DVec3; 3], f64) -> f64,
+        of_triangle: impl FnMut([DVec3; 3], f64) -> f64,
     ) -> f64 {
-        let mut square = most;
-        let distance = |node: &Node| at.distance_squared(at.clamp(node.low, node.high));
-        let mut waiting = vec![0];
-        while let Some(number) = waiting.pop() {
-            let Some(node) = self
-                .nodes
-                .get(number)
-                .filter(|node| distance(node) < square)
-            else {
-                continue;
-            };
-            if node.end - node.first <= LEAF {
-                for triangle in &self.triangles[node.first..node.end] {
-                    square = square.min(of_triangle(self.corners(triangle), square));
-                }
-                continue;
-            }
-            let lower = number + 1;
-            let upper = self.nodes[lower].after;
-            // The nearer one is looked at first.
-            if distance(&self.nodes[lower]) <= distance(&self.nodes[upper]) {
-                waiting.extend([upper, lower]);
-            } else {
-                waiting.extend([lower, upper]);
-            }
-        }
-        square
+        let square = |low, high| at.distance_squared(at.clamp(low, high));
+        self.tree.least(most, square, of_triangle)
     }
 
     /// Returns the number of times that the surface winds around a point, 0 for a mesh that is not closed.
@@ -182,7 +96,7 @@ impl Mesh {
             return 0.0;
         }
         let angle = |triangle: &[usize; 3]| {
-            let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
+            let [a, b, c] = self.tree.points_of(triangle).map(|corner| corner - at);
             let lengths = [a.length(), b.length(), c.length()];
             let below = lengths[0] * lengths[1] * lengths[2]
                 + a.dot(b) * lengths[2]
@@ -190,7 +104,7 @@ impl Mesh {
                 + c.dot(a) * lengths[1];
             2.0 * a.dot(b.cross(c)).atan2(below)
         };
-        let total: f64 = self.triangles.iter().map(angle).sum();
+        let total: f64 = self.tree.items.iter().map(angle).sum();
         (total / (4.0 * std::f64::consts::PI)).round()
     }
 
@@ -198,20 +112,13 @@ impl Mesh {
     /// The result is the winding number, except for points below an edge.
     pub(super) fn crossings(&self, at: DVec3) -> i32 {
         let mut crossings = 0;
-        let mut number = 0;
-        while let Some(node) = self.nodes.get(number) {
-            let beside = at.x < node.low.x || at.x > node.high.x || at.y < node.low.y;
-            if beside || at.y > node.high.y || at.z > node.high.z {
-                number = node.after;
-                continue;
-            }
-            if node.end - node.first <= LEAF {
-                for triangle in &self.triangles[node.first..node.end] {
-                    crossings += crossing(self.corners(triangle).map(|corner| corner - at));
-                }
-            }
-            number += 1;
-        }
+        let may_be_above = |low: DVec3, high: DVec3| {
+            let is_within = |low, high, at| low <= at && at <= high;
+            is_within(low.x, high.x, at.x) && is_within(low.y, high.y, at.y) && at.z <= high.z
+        };
+        self.tree.each_in(may_be_above, |corners| {
+            crossings += crossing(corners.map(|corner| corner - at));
+        });
         crossings
     }
 }

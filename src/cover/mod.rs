@@ -57,6 +57,7 @@
 //! within 1e-7 of the diameter. A corner of a share that is outside of its ball is moved into the form. If it
 //! is then outside of all balls, it is the point that is uncovered.
 
+mod box_tree;
 mod cells;
 mod certificate;
 mod closed_form;
@@ -79,7 +80,6 @@ mod search;
 mod solid;
 mod sphere_cover;
 mod starts;
-mod support;
 mod surface;
 mod verify;
 mod volume;
