@@ -16,14 +16,8 @@ pub(super) struct Certified {
     pub(super) expected: f64,
 }
 
-impl Certified {
-    /// Returns the balls by which the shares were found, from their centres and bounds of the signed distances.
-    pub(super) fn weighted(&self, centres: &[DVec3], heights: &[f64]) -> Vec<(DVec3, f64)> {
-        weighted(centres, heights, self.expected)
-    }
-}
-
-fn weighted(centres: &[DVec3], heights: &[f64], expected: f64) -> Vec<(DVec3, f64)> {
+/// Returns the balls by which shares are found, from their centres and bounds of the signed distances.
+pub(super) fn weighted(centres: &[DVec3], heights: &[f64], expected: f64) -> Vec<(DVec3, f64)> {
     let each = centres.iter().zip(heights);
     each.map(|(&centre, &height)| (centre, (expected - height).max(0.0)))
         .collect()

@@ -1,7 +1,7 @@
 //! Balls that a cover does not need.
 
 use super::cells::{CellScratch, larger};
-use super::certificate::{Certified, spare};
+use super::certificate::{Certified, spare, weighted};
 use super::solid::Solid;
 use super::surface::Surface;
 use crate::parallel;
@@ -88,7 +88,7 @@ impl<'a> Division<'a> {
         let heights = solid.certain_distances(&centres);
         Self {
             surfaces,
-            balls: certified.weighted(&centres, &heights),
+            balls: weighted(&centres, &heights, certified.expected),
             heights,
             spare: spare(solid),
         }
