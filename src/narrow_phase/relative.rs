@@ -262,8 +262,6 @@ impl RelativeMotion {
     /// Returns the relative cubic of two spheres' centres, with its error; `offset` as in
     /// [`points`](Self::points).
     pub(super) fn of_spheres(&self, offset: DVec3) -> RelativeCubic {
-        let apart = self.apart + offset;
-        let points = self.local.map(|local| apart + local);
         // The centre of a lone sphere is its body's position.
         let aside = if offset == DVec3::ZERO {
             0.0
@@ -274,7 +272,8 @@ impl RelativeMotion {
         // the local difference and of the last sum. Second-order terms are covered by the 2^-40. Sums do
         // not underflow, and what does in the bound is in both parts' errors.
         let spread = largest_norm(&self.local);
-        self.cubic(points, 2.0 * norm(apart) + 2.0 * aside + spread)
+        let apart = norm(self.apart + offset);
+        self.cubic(self.points(offset), 2.0 * apart + 2.0 * aside + spread)
     }
 
     /// Returns the relative cubic of two points of the bodies, with its error. `offsets` are the
