@@ -44,18 +44,10 @@ pub(crate) struct RefinedGuess<R> {
 
 /// First stage: returns the squared distance of a cubic rounded from the type `R`.
 #[inline(always)]
-pub(crate) fn squared_distance<R: Real>(coefficients: [Vector<f32>; 4]) -> LaneSquaredDistance {
-    let [c0, c1, c2, c3] = coefficients;
+pub(crate) fn squared_distance<R: Real>(rough: &CentredCubic<f32>) -> LaneSquaredDistance {
+    let square = rough.squared_distance();
+    let [c0, c1, c2, c3] = rough.coefficients;
     let (s0, s1, s2, s3) = (dot(c0, c0), dot(c1, c1), dot(c2, c2), dot(c3, c3));
-    let square = [
-        s0,
-        2.0 * dot(c0, c1),
-        2.0 * dot(c0, c2) + s1,
-        2.0 * (dot(c0, c3) + dot(c1, c2)),
-        2.0 * dot(c1, c3) + s2,
-        2.0 * dot(c2, c3),
-        s3,
-    ];
     let size = (4.0 * s0 + 10.0 * s1) + (20.0 * s2 + 34.0 * s3);
     let tolerance = TOLERANCE * f32::ROUNDING * size + f32::UNDERFLOW;
     let is_served = size < R::MAX_SQUARE;

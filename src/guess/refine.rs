@@ -17,7 +17,7 @@ pub(crate) const THOROUGH: u32 = 10;
 /// least. Not proven.
 pub(crate) fn least_point(points: &ControlPolygon) -> f64 {
     let cubic = CentredCubic::new(coordinates(points));
-    let square = squared_distance::<f64>(cubic.rough().coefficients).square;
+    let square = squared_distance::<f64>(&cubic.rough()).square;
     let rough = descend(&square, lowest_sample(&square), f64::STEPS);
     local_time(settle(&cubic, polish(&cubic, f64::from(rough))).time)
 }

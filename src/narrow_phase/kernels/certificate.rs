@@ -30,7 +30,7 @@ pub(super) struct Guess<R> {
 #[inline(always)]
 pub(super) fn guess<R: Real>(points: ControlPoints<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
-    let squared_distance = squared_distance::<R>(cubic.rough().coefficients);
+    let squared_distance = squared_distance::<R>(&cubic.rough());
     let start = lowest_sample(&squared_distance.square);
     let rough = descend(&squared_distance.square, start, R::STEPS);
     let settled = settle(&cubic, R::from_f64(f64::from(rough)));

@@ -85,7 +85,7 @@ impl<R: Real> LaneBlock<R> {
             for i in 0..count {
                 let cubic = CentredCubic::new(lanes.control_points(i));
                 set(&mut self.cubics, i, &cubic.coefficients);
-                self.set_square(i, &squared_distance::<R>(cubic.rough().coefficients));
+                self.set_square(i, &squared_distance::<R>(&cubic.rough()));
             }
             return;
         }
@@ -112,7 +112,7 @@ impl<R: Real> LaneBlock<R> {
             }
         }
         for i in 0..count {
-            self.set_square(i, &squared_distance::<R>(get(&self.rough, i)));
+            self.set_square(i, &squared_distance::<R>(&get_cubic(&self.rough, i)));
         }
     }
 

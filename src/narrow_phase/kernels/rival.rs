@@ -39,7 +39,7 @@ pub(super) struct MinimumChoice {
 #[inline(always)]
 pub(super) fn guess_against_rival<R: Real>(points: ControlPoints<R>, first: Guess<R>) -> Guess<R> {
     let cubic = CentredCubic::new(points);
-    let squared_distance = squared_distance::<R>(cubic.rough().coefficients);
+    let squared_distance = squared_distance::<R>(&cubic.rough());
     let choice = choose_minimum(
         &squared_distance,
         first.settled.time.to_f32(),
