@@ -5,29 +5,42 @@
 use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
-use super::super::contact::{ClosestSearch, closest_approach, contacts, contacts_of, join, solve};
+use super::super::contact::{
+    ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
+};
 use super::super::profile::{DistanceProfile, NO_CONTACT};
 use super::sections::Rotations;
 use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
+use crate::narrow_phase::{Approach, Contact};
 use crate::orientation::Orientation;
 use crate::shape::BodyShape;
 use crate::spans::{Span, spans};
-use crate::trajectory::{State, Trajectory};
+use crate::trajectory::{Pieces, State, Trajectory};
 use glam::{DQuat, DVec3};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 mod fixed;
 
-/// A body with its plan.
-struct Turner {
-    plan: Trajectory,
+/// A body of a case.
+struct Mover {
+    plan: Pieces,
     hitbox: Hitbox,
     orientation: Orientation,
     model_error: f64,
+}
+
+/// Two bodies and the time in question.
+struct Case {
+    bodies: [Mover; 2],
+    margin: f64,
+    window: (f64, f64),
+    /// Common domain of both bodies, s.
+    start: f64,
+    end: f64,
 }
 
 fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
@@ -39,7 +52,7 @@ fn first_instant(kind: usize) -> f64 {
     [0.0, 0.0, 1e9][kind / 4 % 3]
 }
 
-fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Turner {
+fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Mover {
     let size = [1.0, 1e-6, 1e6][kind % 3];
     let speed = [0.5, 4.0][kind / 3 % 2] * size;
     let states = [0.0, 0.4, 1.0]
@@ -59,8 +72,8 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Turner {
         let rotation = DQuat::from_scaled_axis(vector(rng, 3.0));
         Orientation::spin(first + rng.random_range(-1.0..1.0), rotation, spin).unwrap()
     };
-    Turner {
-        plan: Trajectory::from_states(&states).unwrap(),
+    Mover {
+        plan: Pieces::own(&Trajectory::from_states(&states).unwrap()),
         hitbox,
         orientation,
         model_error: [0.0, 0.0, 0.3][kind / 2 % 3] * size,
@@ -69,7 +82,7 @@ fn turner(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Turner {
 
 /// A body at rest whose spheres are all at one place, but for rounding: their bounds leave nothing to
 /// spare. Or a half-space at rest. Some are far apart, of some the middles meet.
-fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool, first: f64) -> Turner {
+fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool, first: f64) -> Mover {
     let size = [1.0, 1e-6, 1e6][kind % 3];
     // Distances are constant in all parts, or in none: which of both wins a tie depends on what else does.
     let arm = [1e-16, 1e-9][kind / 3 % 2] * size;
@@ -97,42 +110,43 @@ fn hub(rng: &mut ChaCha8Rng, kind: usize, is_plane: bool, first: f64) -> Turner 
         let spin = Orientation::spin(first + rng.random_range(-1.0..1.0), rotation, spin);
         (Hitbox::cluster(spheres), spin.unwrap())
     };
-    Turner {
-        plan: Trajectory::from_states(&states).unwrap(),
+    Mover {
+        plan: Pieces::own(&Trajectory::from_states(&states).unwrap()),
         hitbox: hitbox.unwrap(),
         orientation,
         model_error: 0.0,
     }
 }
 
-impl Turner {
+impl Mover {
     fn view(&self) -> BodyView<'_> {
+        let Pieces { knots, segments } = &self.plan;
         let shape = BodyShape::new(&self.hitbox, self.orientation.turning(), self.model_error);
-        BodyView::of((Knots::of(self.plan.knots()), self.plan.segments()), shape)
+        BodyView::of((Knots::of(knots), segments), shape)
     }
 }
 
-/// Returns the instants between which bodies are proven to be in contact, or may be, and which of both.
-fn ends_of(proven: &[CertifiedContact]) -> Vec<(bool, TimeEnclosure, TimeEnclosure)> {
-    let ends = proven.iter().map(|one| {
-        let proof = one.certificate;
-        (proof.resolved, proof.enter, proof.exit)
-    });
-    ends.collect()
-}
+impl Case {
+    fn views(&self) -> [BodyView<'_>; 2] {
+        self.bodies.each_ref().map(Mover::view)
+    }
 
-/// Calls `visit` with all pairs of spheres in all parts of all spans.
-fn each(
-    [a, b]: &[BodyView<'_>; 2],
-    all: &[Span],
-    accuracy: Accuracy,
-    mut visit: impl FnMut(&SpherePair, Span),
-) {
-    for &span in all {
+    fn band(&self) -> MarginBand {
+        let [a, b] = self.views();
+        MarginBand::new(self.margin, a.model_error_with(&b))
+    }
+
+    fn spans(&self) -> Vec<Span> {
+        let [a, b] = self.views();
+        spans(&a.knots, &b.knots, self.start, self.end).collect()
+    }
+
+    /// Calls `visit` with all pairs of spheres in all parts of a span.
+    fn each_in(&self, span: Span, accuracy: Accuracy, mut visit: impl FnMut(&SpherePair, Span)) {
+        let [a, b] = &self.views();
         let pair = ClusterPair::of(a, b, span, accuracy);
         if let Some(over_plane) = pair.over_plane() {
-            over_plane.each_sphere(&mut visit);
-            continue;
+            return over_plane.each_sphere(&mut visit);
         }
         for section in pair.sections((span.start, span.end)) {
             let mut rotations = Rotations::default();
@@ -145,6 +159,85 @@ fn each(
             }
         }
     }
+
+    /// Calls `visit` with all pairs of spheres in all parts of all spans.
+    fn each(&self, accuracy: Accuracy, mut visit: impl FnMut(&SpherePair, Span)) {
+        for span in self.spans() {
+            self.each_in(span, accuracy, &mut visit);
+        }
+    }
+
+    fn contacts(&self, window: (f64, f64)) -> Vec<Contact> {
+        let [a, b] = &self.views();
+        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
+        contacts(a, b, spans, self.margin, window, &mut found);
+        found
+    }
+
+    /// Returns the contacts of all pairs, solved one by one.
+    fn contacts_of_all(&self, margin: f64, window: (f64, f64)) -> Vec<Contact> {
+        let mut found = Vec::new();
+        self.each(Accuracy::Exact, |pair, span| {
+            let profile = DistanceProfile::of(&pair.cubic);
+            pair.contacts(&profile, span, margin, (window, NO_CONTACT), &mut found);
+        });
+        join(&mut found, 0);
+        found
+    }
+
+    fn nearest(&self, window: (f64, f64)) -> Option<Approach> {
+        let [a, b] = &self.views();
+        closest_approach(a, b, self.spans().into_iter(), window)
+    }
+
+    /// Returns the closest approach of all pairs, solved one by one.
+    fn nearest_of_all(&self, window: (f64, f64)) -> Option<Approach> {
+        let mut nearest = ClosestSearch::new();
+        for span in self.spans() {
+            self.each_in(span, Accuracy::Exact, |pair, part| {
+                if part.start <= window.1 && window.0 <= part.end {
+                    nearest.push(pair, part, window);
+                }
+            });
+            nearest.end_span();
+        }
+        nearest.closest
+    }
+
+    fn proofs(&self, window: (f64, f64), workspace: &mut Workspace) -> Vec<CertifiedContact> {
+        let [a, b] = &self.views();
+        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
+        certified_contacts(a, b, spans, self.margin, window, workspace, &mut found);
+        found
+    }
+
+    /// Returns the proofs of all pairs, solved one by one.
+    fn proofs_of_all(&self, window: (f64, f64), all: &mut Workspace) -> Vec<CertifiedContact> {
+        let ([a, b], band) = (&self.views(), self.band());
+        all.clear();
+        self.each(Accuracy::Certified, |pair, span| {
+            all.solve(pair, span, &band, window);
+        });
+        let mut found = Vec::new();
+        all.join((a, b), &band, window, &mut found);
+        found
+    }
+}
+
+/// Returns the contacts within a margin in what is kept of spans.
+fn kept_contacts(kept: &[SolvedSpan], margin: f64, window: (f64, f64)) -> Vec<Contact> {
+    let mut found = Vec::new();
+    contacts_of(kept.iter(), margin, window, &mut found);
+    found
+}
+
+/// Returns the instants between which bodies are proven to be in contact, or may be, and which of both.
+fn ends_of(proven: &[CertifiedContact]) -> Vec<(bool, TimeEnclosure, TimeEnclosure)> {
+    let ends = proven.iter().map(|one| {
+        let proof = one.certificate;
+        (proof.resolved, proof.enter, proof.exit)
+    });
+    ends.collect()
 }
 
 #[test]
@@ -168,91 +261,71 @@ fn omitted_pairs_change_nothing() {
             ],
         };
         let kind = turns;
-        let views = [bodies[0].view(), bodies[1].view()];
-        let [a, b] = &views;
-        let all: Vec<Span> = spans(&a.knots, &b.knots, begin, begin + 1.0).collect();
-        let whole = (f64::MIN, f64::MAX);
         let cut = [0.0..0.5, 0.5..1.0].map(|range| begin + rng.random_range(range));
-        let window = [whole, (cut[0], cut[1])][kind % 2];
-
-        let mut nearest = ClosestSearch::new();
-        each(&views, &all, Accuracy::Exact, |pair, span| {
-            if span.start <= window.1 && window.0 <= span.end {
-                nearest.push(pair, span, window);
-            }
-        });
-        nearest.end_span();
-        let found = closest_approach(a, b, all.iter().copied(), window);
-        assert_eq!(found, nearest.closest, "{kind}");
+        let window = [(f64::MIN, f64::MAX), (cut[0], cut[1])][kind % 2];
+        let mut case = Case {
+            bodies,
+            margin: 0.0,
+            window,
+            start: begin,
+            end: begin + 1.0,
+        };
+        let found = case.nearest(window);
+        assert_eq!(found, case.nearest_of_all(window), "{kind}");
 
         let least = found.unwrap().separation;
         let size = [1.0, 1e-6, 1e6][kind % 3];
         // At the least separation, farther, and nearer by less than is told apart there.
-        let far = [a, b].map(|view| view.segments[0].origin().length());
+        let far = case.views().map(|view| view.segments[0].origin().length());
         let more = [
             0.0,
             rng.random_range(0.0..1.0) * size,
             -1e-15 * (far[0] + far[1]),
         ];
-        let margin = least + more[kind % 5 % 3];
-        let band = MarginBand::new(margin, a.model_error_with(b));
-        let (mut found, mut expected) = (Vec::new(), Vec::new());
-        contacts(a, b, all.iter().copied(), margin, window, &mut found);
+        case.margin = least + more[kind % 5 % 3];
+        let [a, b] = &case.views();
+        let outer = case.band().outer;
         // Windows that begin or end with a contact, or where a rotation's cubic does.
+        let found = case.contacts(window);
         let ends = found.iter().flat_map(|one| [one.enter, one.exit]);
         let cut = a
             .turning
             .map(|turning| turning.section_at(begin + 0.5, Accuracy::Exact).end);
         let instants: Vec<f64> = ends.take(4).chain(cut).collect();
         let windows = |&at: &f64| [(window.0, at), (at, at), (at, window.1)];
-        let beside = instants.iter().flat_map(windows);
-        for window in beside.chain([window]) {
-            found.clear();
-            expected.clear();
-            let asked = (window, NO_CONTACT);
-            contacts(a, b, all.iter().copied(), margin, window, &mut found);
-            each(&views, &all, Accuracy::Exact, |pair, span| {
-                let profile = DistanceProfile::of(&pair.cubic);
-                pair.contacts(&profile, span, band.outer, asked, &mut expected);
-            });
-            join(&mut expected, 0);
-            assert_eq!(found, expected, "{kind} {window:?}");
+        for window in instants.iter().flat_map(windows).chain([window]) {
+            let expected = case.contacts_of_all(outer, window);
+            assert_eq!(case.contacts(window), expected, "{kind} {window:?}");
         }
         touching += found.len();
 
         // As a monitor solves it, in two steps. The first one may end shortly before a contact, in the part of
         // the span that has it.
+        let expected = case.contacts_of_all(outer, window);
         let middle = 0.5 * (window.0 + window.1);
         let enters = expected.iter().map(|one| one.enter);
         let steps = enters
             .take(4)
             .flat_map(|enter| [enter.next_down(), enter - 1e-3 * (window.1 - window.0)]);
         let mut kept = Vec::new();
-        for (step, margin) in [(middle, margin + size)]
+        for (step, margin) in [(middle, case.margin + size)]
             .into_iter()
-            .chain(steps.map(|step| (step, margin)))
+            .chain(steps.map(|step| (step, case.margin)))
         {
             kept.clear();
-            for &span in &all {
+            for span in case.spans() {
                 let step = step.max(span.start).min(span.end);
                 let first = ((span.start, step), f64::NEG_INFINITY);
                 let after = solve(a, b, span, margin, first, |_, solved| kept.push(solved));
                 let rest = ((step, span.end), after);
                 solve(a, b, span, margin, rest, |_, solved| kept.push(solved));
             }
-            found.clear();
-            contacts_of(kept.iter(), band.outer, window, &mut found);
+            let found = kept_contacts(&kept, outer, window);
             assert_eq!(found, expected, "{kind}, {step}");
         }
 
-        let (mut proven, mut expected) = (Vec::new(), Vec::new());
-        let over = all.iter().copied();
-        certified_contacts(a, b, over, margin, window, &mut workspace, &mut proven);
-        workspace.clear();
-        each(&views, &all, Accuracy::Certified, |pair, span| {
-            workspace.solve(pair, span, &band, window);
-        });
-        workspace.join((a, b), &band, window, &mut expected);
+        let proven = case.proofs(window, &mut workspace);
+        let expected = case.proofs_of_all(window, &mut workspace);
         assert_eq!(ends_of(&proven), ends_of(&expected), "{kind}");
         certain += proven.iter().filter(|one| one.certificate.resolved).count();
     }
@@ -280,14 +353,14 @@ fn errors_of_the_cubics_are_not_dropped() {
                 radius: (2.0 - arm - behind) * size,
             });
         let orientation = Orientation::spin(0.0, DQuat::IDENTITY, axis * 6.0).unwrap();
-        let at = |place: DVec3, hitbox: Result<Hitbox, _>, orientation| Turner {
-            plan: Trajectory::from_states(
-                &[0.0, 1.0].map(|time| State::new(time, place, DVec3::ZERO)),
-            )
-            .unwrap(),
-            hitbox: hitbox.unwrap(),
-            orientation,
-            model_error: 0.0,
+        let at = |place: DVec3, hitbox: Result<Hitbox, _>, orientation| {
+            let states = [0.0, 1.0].map(|time| State::new(time, place, DVec3::ZERO));
+            Mover {
+                plan: Pieces::own(&Trajectory::from_states(&states).unwrap()),
+                hitbox: hitbox.unwrap(),
+                orientation,
+                model_error: 0.0,
+            }
         };
         let top = at(DVec3::ZERO, Hitbox::cluster(spheres.collect()), orientation);
         let (place, other, radius) = if round % 4 < 2 {
@@ -297,28 +370,24 @@ fn errors_of_the_cubics_are_not_dropped() {
         };
         let other = at(axis * (place * size), other, Orientation::FIXED);
         let [near, margin] = [0.0, more].map(|more| (place - radius - 2.0 + more) * size);
-        let views = [top.view(), other.view()];
-        let views = if round % 8 < 4 {
-            views
-        } else {
-            [views[1], views[0]]
+        let mut case = Case {
+            bodies: [top, other],
+            margin,
+            window: (0.1, 0.9),
+            start: 0.0,
+            end: 1.0,
         };
-        let [a, b] = &views;
-        let all: Vec<Span> = spans(&a.knots, &b.knots, 0.0, 1.0).collect();
-        let window = (0.1, 0.9);
-        let band = MarginBand::new(margin, 0.0);
-        let (mut proven, mut expected) = (Vec::new(), Vec::new());
-        let over = || all.iter().copied();
-        certified_contacts(a, b, over(), margin, window, &mut workspace, &mut proven);
-        workspace.clear();
-        each(&views, &all, Accuracy::Certified, |pair, span| {
-            workspace.solve(pair, span, &band, window);
-        });
-        workspace.join((a, b), &band, window, &mut expected);
+        if round % 8 >= 4 {
+            case.bodies.reverse();
+        }
+        let proven = case.proofs(case.window, &mut workspace);
+        let expected = case.proofs_of_all(case.window, &mut workspace);
         assert_eq!(ends_of(&proven), ends_of(&expected), "{round}");
         assert_eq!(proven.len(), 1, "{round}");
         assert_eq!(proven[0].certificate.resolved, more > 0.0, "{round}");
-        let (found, error, _) = certified_approach(a, b, over(), window).unwrap();
+        let [a, b] = &case.views();
+        let (found, error, _) =
+            certified_approach(a, b, case.spans().into_iter(), case.window).unwrap();
         // What may be nearer by its error is part of the enclosure.
         assert!(
             found.separation - error < near - 0.3e-6 * size,

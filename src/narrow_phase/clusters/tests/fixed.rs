@@ -1,21 +1,14 @@
 //! Omitted pairs change no result: against all pairs of spheres, solved one by one.
 
-use super::super::super::certified::{
-    CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
-};
-use super::super::super::contact::{
-    ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
-};
+use super::super::super::certified::{Workspace, certified_approach};
+use super::super::super::contact::{SolvedSpan, closest_approach, solve};
 use super::super::super::profile::{DistanceProfile, NO_CONTACT};
-use super::super::super::sphere_pair::SpherePair;
-use super::vector;
+use super::{Case, Mover, kept_contacts, vector};
 use crate::accuracy::Accuracy;
 use crate::hitbox::{Hitbox, Sphere};
-use crate::knots::Knots;
-use crate::narrow_phase::BodyView;
-use crate::narrow_phase::{Contact, pair_error};
-use crate::shape::BodyShape;
-use crate::spans::{Span, spans};
+use crate::narrow_phase::Contact;
+use crate::orientation::Orientation;
+use crate::spans::Span;
 use crate::trajectory::{Outside, Pieces, State, Trajectory};
 use crate::window::Window;
 use glam::DVec3;
@@ -24,16 +17,20 @@ use rand::{RngExt, SeedableRng};
 
 mod rods;
 
-/// Two bodies and the time in question.
-struct Case {
-    plans: [Pieces; 2],
-    hitboxes: [Hitbox; 2],
-    margin: f64,
-    model_errors: [f64; 2],
-    window: (f64, f64),
-    /// Common domain of both bodies, s.
-    start: f64,
-    end: f64,
+/// Returns two bodies that do not turn.
+fn resting(plans: [Pieces; 2], hitboxes: [Hitbox; 2], model_errors: [f64; 2]) -> [Mover; 2] {
+    let [plan_a, plan_b] = plans;
+    let [hitbox_a, hitbox_b] = hitboxes;
+    let body = |plan, hitbox, model_error| Mover {
+        plan,
+        hitbox,
+        orientation: Orientation::FIXED,
+        model_error,
+    };
+    [
+        body(plan_a, hitbox_a, model_errors[0]),
+        body(plan_b, hitbox_b, model_errors[1]),
+    ]
 }
 
 /// Returns a plan's pieces between two instants (s), or its own if they end there.
@@ -130,43 +127,23 @@ fn case(rng: &mut ChaCha8Rng, kind: usize) -> Case {
         _ => (f64::MIN, f64::MAX),
     };
     let margin = [-0.3, 0.0, 0.1, 1.0, 5.0][rng.random_range(0..5)] * size;
+    let model_errors = [[0.0, 0.0], [0.0, 0.1 * size], [0.4 * size, size]][kind % 3];
     let mut case = Case {
-        plans,
-        hitboxes,
+        bodies: resting(plans, hitboxes, model_errors),
         margin,
-        model_errors: [[0.0, 0.0], [0.0, 0.1 * size], [0.4 * size, size]][kind % 3],
         window,
         start: begin,
         end: start + 1.0,
     };
     if kind.is_multiple_of(4) {
         // A touch, as far as rounding can tell.
-        let [a, b] = &case.views();
-        let nearest = closest_approach(a, b, case.spans().into_iter(), window);
+        let nearest = case.nearest(window);
         case.margin = nearest.map_or(margin, |nearest| nearest.separation);
     }
     case
 }
 
 impl Case {
-    fn views(&self) -> [BodyView<'_>; 2] {
-        [0, 1].map(|number: usize| {
-            let Pieces { knots, segments } = &self.plans[number];
-            let shape = BodyShape::new(&self.hitboxes[number], None, self.model_errors[number]);
-            BodyView::of((Knots::of(knots), segments), shape)
-        })
-    }
-
-    fn band(&self) -> MarginBand {
-        let [a, b] = self.model_errors;
-        MarginBand::new(self.margin, pair_error(a, b))
-    }
-
-    fn spans(&self) -> Vec<Span> {
-        let [a, b] = self.views();
-        spans(&a.knots, &b.knots, self.start, self.end).collect()
-    }
-
     /// Returns windows that begin and end at instants of contacts.
     fn windows_at(&self, contacts: &[Contact]) -> Vec<(f64, f64)> {
         let end = self.end;
@@ -180,28 +157,6 @@ impl Case {
         windows.filter(|window| window.0 <= window.1).collect()
     }
 
-    fn each(&self, visit: impl FnMut(&SpherePair, Span)) {
-        super::each(&self.views(), &self.spans(), Accuracy::Exact, visit);
-    }
-
-    fn contacts(&self, window: (f64, f64)) -> Vec<Contact> {
-        let [a, b] = &self.views();
-        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
-        contacts(a, b, spans, self.margin, window, &mut found);
-        found
-    }
-
-    /// Returns the contacts of all pairs, solved one by one.
-    fn contacts_of_all(&self, margin: f64, window: (f64, f64)) -> Vec<Contact> {
-        let mut found = Vec::new();
-        self.each(|pair, span| {
-            let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, span, margin, (window, NO_CONTACT), &mut found);
-        });
-        join(&mut found, 0);
-        found
-    }
-
     /// Returns what is kept of all spans.
     fn solved(&self) -> Vec<SolvedSpan> {
         let [a, b] = &self.views();
@@ -212,32 +167,6 @@ impl Case {
         }
         kept
     }
-
-    fn proofs(&self, window: (f64, f64), workspace: &mut Workspace) -> Vec<CertifiedContact> {
-        let [a, b] = &self.views();
-        let (spans, mut found) = (self.spans().into_iter(), Vec::new());
-        certified_contacts(a, b, spans, self.margin, window, workspace, &mut found);
-        found
-    }
-
-    /// Returns the proofs of all pairs, solved one by one.
-    fn proofs_of_all(&self, window: (f64, f64), all: &mut Workspace) -> Vec<CertifiedContact> {
-        let ([a, b], band) = (&self.views(), self.band());
-        all.clear();
-        self.each(|pair, span| {
-            all.solve(pair, span, &band, window);
-        });
-        let mut found = Vec::new();
-        all.join((a, b), &band, window, &mut found);
-        found
-    }
-}
-
-/// Returns the contacts within a margin in what is kept of spans.
-fn kept_contacts(kept: &[SolvedSpan], margin: f64, window: (f64, f64)) -> Vec<Contact> {
-    let mut found = Vec::new();
-    contacts_of(kept.iter(), margin, window, &mut found);
-    found
 }
 
 #[test]
@@ -315,23 +244,13 @@ fn the_nearest_is_that_of_all_pairs() {
             let of_window = |span: &Span| span.end >= window.0 && span.start <= window.1;
             let spans = || case.spans().into_iter().filter(of_window);
             let found = closest_approach(a, b, spans(), window);
-            let mut nearest = ClosestSearch::new();
-            let mut before = None;
-            case.each(|pair, span| {
-                if of_window(&span) {
-                    if before.replace(span).is_some_and(|before| before != span) {
-                        nearest.end_span();
-                    }
-                    nearest.push(pair, span, window);
-                }
-            });
-            nearest.end_span();
-            assert_eq!(found, nearest.closest, "{kind} {window:?}");
+            let nearest = case.nearest_of_all(window);
+            assert_eq!(found, nearest, "{kind} {window:?}");
             // Where a window cuts, the plain solver is off by what the rounding of time amounts to.
             if kind % 5 == 3 && window == (f64::MIN, f64::MAX) {
                 let certified = certified_approach(a, b, spans(), window);
                 let (approach, error, _) = certified.unwrap_or_else(|| unreachable!());
-                let nearest = nearest.least_so_far;
+                let nearest = nearest.map_or(f64::NAN, |nearest| nearest.separation);
                 let off = (approach.separation - nearest).abs();
                 assert!(off <= 2.0 * error, "{kind}");
             }
@@ -364,10 +283,8 @@ fn late_case(rng: &mut ChaCha8Rng) -> Case {
     });
     let more = [-way, 0.0, way, aside][rng.random_range(0..4)];
     Case {
-        plans,
-        hitboxes,
+        bodies: resting(plans, hitboxes, [0.0; 2]),
         margin: aside - 2.0 * radius + more,
-        model_errors: [0.0; 2],
         window: (f64::MIN, f64::MAX),
         start: START,
         end: START + 1.0,
@@ -382,9 +299,8 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
     let mut several = 0;
     for round in 0..600 {
         let case = late_case(&mut rng);
-        let [a, b] = &case.views();
         let mut instants = Vec::new();
-        case.each(|pair, span| {
+        case.each(Accuracy::Exact, |pair, span| {
             let (profile, asked) = (DistanceProfile::of(&pair.cubic), (case.window, NO_CONTACT));
             let mut found = Vec::new();
             pair.contacts(&profile, span, case.band().outer, asked, &mut found);
@@ -411,13 +327,8 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             let found = kept_contacts(&kept, case.band().outer, window);
             assert_eq!(found, expected, "{round} {window:?}");
             several += usize::from(!found.is_empty());
-            let nearest = closest_approach(a, b, case.spans().into_iter(), window);
-            let mut all_of_them = ClosestSearch::new();
-            case.each(|pair, span| {
-                all_of_them.push(pair, span, window);
-            });
-            all_of_them.end_span();
-            assert_eq!(nearest, all_of_them.closest, "{round} {window:?}");
+            let nearest = case.nearest_of_all(window);
+            assert_eq!(case.nearest(window), nearest, "{round} {window:?}");
             let proven = case.proofs(window, &mut workspace);
             let expected = case.proofs_of_all(window, &mut all);
             assert_eq!(proven, expected, "{round} {window:?}");

@@ -22,10 +22,8 @@ fn case(
         Hitbox::cluster(spheres.collect()).unwrap_or_else(|_| unreachable!())
     };
     Case {
-        plans: motions.map(plan),
-        hitboxes: clusters.map(hitbox),
+        bodies: resting(motions.map(plan), clusters.map(hitbox), [model_error; 2]),
         margin,
-        model_errors: [model_error; 2],
         window: (0.0, 1.0),
         start: 0.0,
         end: 1.0,
@@ -73,8 +71,7 @@ fn nearest_between_the_ends_of_a_way() {
         let times: Vec<(f64, f64)> = found.iter().map(|one| (one.enter, one.exit)).collect();
         assert_eq!(times, [(0.0, 1.0)]);
         // And the other way round.
-        case.plans.reverse();
-        case.hitboxes.reverse();
+        case.bodies.reverse();
     }
 }
 
