@@ -69,20 +69,6 @@ impl UncertainCubic {
         search.branch(parts_between(&ends, &lowers));
         search.best
     }
-
-    /// Returns the distance from the origin at a parameter in 0..=1.
-    ///
-    /// # Panics
-    ///
-    /// In debug builds, for a parameter outside 0..=1.
-    #[must_use]
-    pub fn distance_at(&self, parameter: f64) -> DistanceEnclosure {
-        debug_assert!((0.0..=1.0).contains(&parameter), "a parameter within 0..=1");
-        let cubic = ScaledCubic::new(self);
-        let square = point(&cubic.points, parameter).length_squared();
-        let below = square * (1.0 - 4.0 * UNIT_ROUNDOFF);
-        cubic.restore(enclosure(below, square, cubic.part_error()))
-    }
 }
 
 /// Returns a search for the least distance at its end, and the result with the parameters that its
