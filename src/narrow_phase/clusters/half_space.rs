@@ -9,7 +9,7 @@ use super::sections::{Rotations, Section, Sections, each_near, nearest_first};
 use crate::accuracy::Accuracy;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong};
-use crate::narrow_phase::relative::{HeightCubic, rejection_threshold};
+use crate::narrow_phase::relative::rejection_threshold;
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::real::least_of;
@@ -99,40 +99,10 @@ impl<'a> TurningOverPlane<'a> {
         (rotations, ways): (&mut Rotations, &mut Vec<SphereAlong>),
         mut visit: impl FnMut(&SpherePair),
     ) {
-        if let Some(heights) = self.find_within(section, margin, rotations, ways) {
-            for sphere in &*ways {
-                visit(&self.pair.sphere_pair(section.span, &heights, sphere));
-            }
-        }
-    }
-
-    fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
-        let [a, b] = self.views;
-        Sections::of((a, b), self.pair.span, self.accuracy, interval)
-    }
-
-    /// Returns the bounding sphere over the whole span.
-    fn bounding(&self) -> SpherePair {
-        let sphere = SphereAlong::resting(0, self.pair.body.bounding.radius, 0.0, 0.0);
-        let span = self.pair.span;
-        self.pair
-            .sphere_pair(span, &self.pair.heights(span), &sphere)
-    }
-
-    /// Lists the spheres that may come within `margin`, which may be infinite, in a part of the
-    /// span and be the lowest ones then. Returns the heights of the body, or `None` if the bounding
-    /// sphere is certainly above.
-    fn find_within(
-        &self,
-        section: &Section,
-        margin: f64,
-        rotations: &mut Rotations,
-        ways: &mut Vec<SphereAlong>,
-    ) -> Option<HeightCubic> {
         let heights = self.pair.heights(section.span);
         let least = least_of(heights.points);
         if margin < f64::INFINITY && least > self.pair.bound(margin, section.span) {
-            return None;
+            return;
         }
         let rotations = rotations.over(self.views, section, self.accuracy);
         let rotation = rotations[usize::from(self.pair.is_first)];
@@ -157,11 +127,7 @@ impl<'a> TurningOverPlane<'a> {
         }
         let scale = self.pair.rounding_scale(section.span);
         let slack = 2.0 * rejection_threshold(0.0, scale);
-        let margin = if margin < f64::INFINITY {
-            rejection_threshold(margin, scale + margin.abs())
-        } else {
-            margin
-        };
+        let margin = rejection_threshold(margin, scale + margin.abs());
         ways.retain(|sphere| {
             let floor = sphere
                 .way
@@ -172,7 +138,22 @@ impl<'a> TurningOverPlane<'a> {
             };
             least_of(sum) <= margin && !lowest_ones.iter().any(is_above)
         });
-        Some(heights)
+        for sphere in &*ways {
+            visit(&self.pair.sphere_pair(section.span, &heights, sphere));
+        }
+    }
+
+    fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
+        let [a, b] = self.views;
+        Sections::of((a, b), self.pair.span, self.accuracy, interval)
+    }
+
+    /// Returns the bounding sphere over the whole span.
+    fn bounding(&self) -> SpherePair {
+        let sphere = SphereAlong::resting(0, self.pair.body.bounding.radius, 0.0, 0.0);
+        let span = self.pair.span;
+        self.pair
+            .sphere_pair(span, &self.pair.heights(span), &sphere)
     }
 
     /// Returns a sphere of the body over a part of the span.
