@@ -65,23 +65,11 @@ impl RowLayout {
         }
     }
 
-    /// Returns the layout for so many groups.
-    pub(super) const fn with_groups(mut self, groups: u32) -> Self {
-        self.groups = groups;
-        self
-    }
-
     /// Returns a number of bins a quarter of a box long, so that few successors of a box start behind
     /// the box's end; at most one cell per box, in each group.
     fn bins(rows: [u32; 2], count: f64, extent: f64) -> u32 {
         let most = (count / f64::from(rows[0] * rows[1])).min(f64::from(STEPS));
         whole((4.0 / extent).clamp(1.0, most.max(1.0)))
-    }
-
-    /// Returns the layout with the same sweep axis, without rows.
-    pub(super) const fn in_one_row(mut self) -> Self {
-        self.rows = [1, 1];
-        self
     }
 
     /// Returns the number of cells of a row.

@@ -105,7 +105,13 @@ impl Sweep {
         candidates: &mut Vec<Candidate>,
     ) {
         if boxes.len() < Self::FEW || boxes.len() > Self::MAX {
-            return self.compare_all(boxes, &region, filter, candidates);
+            return self.instructions.run(CompareAll {
+                boxes,
+                region: &region,
+                faces: &mut self.faces,
+                filter,
+                candidates,
+            });
         }
         self.sample.take(boxes, &region);
         if depth == self.partitions.len() {
@@ -117,7 +123,7 @@ impl Sweep {
         {
             return self.find_in_parts(region, depth, filter, candidates);
         }
-        let layout = RowLayout::choose(boxes.len(), self.sample.shares());
+        let layout = RowLayout::choose(boxes.len(), self.sample.shares);
         let comparisons = self.sort(boxes, layout, filter);
         let are_many = comparisons as f64 > Self::MANY_COMPARISONS * boxes.len() as f64;
         if are_many && self.rows.hit_rate(boxes) < Self::IN_VAIN {
@@ -134,7 +140,7 @@ impl Sweep {
     /// Sorts boxes into rows, and by their groups where that leaves out many comparisons; returns the number of those that
     /// a sweep makes.
     fn sort(&mut self, boxes: &[BodyBox], layout: RowLayout, filter: &dyn PairFilter) -> u64 {
-        let quantizer = Quantizer::new(self.sample.ranges());
+        let quantizer = Quantizer::new(self.sample.ranges);
         let count = boxes.len() as f64;
         let groups = filter.groups();
         let Self {
@@ -149,7 +155,10 @@ impl Sweep {
                 groups,
                 group_of,
                 quantizer: &quantizer,
-                layout: layout.with_groups(short(groups.count())),
+                layout: RowLayout {
+                    groups: short(groups.count()),
+                    ..layout
+                },
                 rows,
             })
         };
@@ -205,23 +214,6 @@ impl Sweep {
         for found in chunks {
             candidates.append(found);
         }
-    }
-
-    /// Appends the pairs of boxes that belong to a region, comparing each with each.
-    fn compare_all(
-        &mut self,
-        boxes: &[BodyBox],
-        region: &Region,
-        filter: &dyn PairFilter,
-        candidates: &mut Vec<Candidate>,
-    ) {
-        self.instructions.run(CompareAll {
-            boxes,
-            region,
-            faces: &mut self.faces,
-            filter,
-            candidates,
-        });
     }
 
     /// Appends the pairs of the boxes divided at a depth.

@@ -37,7 +37,7 @@ impl Task for SweepRows<'_> {
 
     #[inline(always)]
     fn run(self) {
-        if self.rows.are_grouped() {
+        if self.rows.are_grouped {
             self.sweep::<true>();
         } else {
             self.sweep::<false>();

@@ -31,7 +31,8 @@ pub(super) struct SortedRows {
     successor_ends: Vec<u32>,
     /// If there are several groups: the successors of each record in each group that it may form pairs with.
     grouped: Vec<Successors>,
-    are_grouped: bool,
+    /// True if there are several groups.
+    pub(super) are_grouped: bool,
     pub(super) low: [Vec<u16>; 3],
     pub(super) high: [Vec<u16>; 3],
 }
@@ -45,11 +46,6 @@ pub(super) struct Successors {
 }
 
 impl SortedRows {
-    /// Returns true if the boxes are of several groups.
-    pub(super) const fn are_grouped(&self) -> bool {
-        self.are_grouped
-    }
-
     /// Returns the number of lists of successors: one for each record, or for each of its groups of partners.
     pub(super) const fn lists(&self) -> usize {
         if self.are_grouped {
@@ -135,7 +131,7 @@ impl SortIntoRows<'_> {
         pack::<GROUPED>(boxes, group_of, quantizer, &layout, rows);
         if further_copies(&layout, rows) > MAX_COPIES * boxes.len() as u64 {
             // Sizes that the layout did not foresee. One row takes no copies.
-            layout = layout.in_one_row();
+            layout.rows = [1, 1];
             pack::<GROUPED>(boxes, group_of, quantizer, &layout, rows);
         }
         count(&layout, rows);

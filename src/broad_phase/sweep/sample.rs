@@ -10,9 +10,9 @@ pub(super) struct BoxSample {
     /// Low corners in ascending order, for each axis.
     lows: [Vec<f32>; 3],
     /// Range of low corners on each axis, without outliers.
-    ranges: [(f32, f32); 3],
+    pub(super) ranges: [(f32, f32); 3],
     /// Mean extents as shares of these ranges, none counted longer than the range.
-    shares: [f64; 3],
+    pub(super) shares: [f64; 3],
 }
 
 impl BoxSample {
@@ -47,16 +47,6 @@ impl BoxSample {
             }
             self.shares[axis] = sum / size as f64;
         }
-    }
-
-    /// Returns the range of low corners on each axis, without outliers.
-    pub(super) const fn ranges(&self) -> [(f32, f32); 3] {
-        self.ranges
-    }
-
-    /// Returns the mean extents on each axis as shares of the range.
-    pub(super) const fn shares(&self) -> [f64; 3] {
-        self.shares
     }
 
     /// Sets planes in empty space and returns true, if that is more than half of an axis.
