@@ -154,7 +154,7 @@ impl Workspace {
         self.intervals.clear();
     }
 
-    /// Adds a pair of spheres over a span; returns the times in which it is not certainly apart.
+    /// Adds a pair of spheres over a span; returns the times of the window in which it is not certainly apart.
     pub(super) fn solve(
         &mut self,
         pair: &SpherePair,
@@ -162,9 +162,34 @@ impl Workspace {
         band: &MarginBand,
         window: (f64, f64),
     ) -> &[VerdictInterval] {
-        let first = self.intervals.len();
-        let number = self.members.len();
-        let count = push_intervals(pair, band, window, number, &mut self.intervals);
+        let (first, member) = (self.intervals.len(), self.members.len());
+        let mut count = 0;
+        let threshold = band.threshold((pair.radius_a, pair.radius_b));
+        let stretches = pair.uncertain().stretches(threshold);
+        for &Stretch { first, last, side } in stretches.as_slice() {
+            if side == Verdict::Outside {
+                continue;
+            }
+            let outer = (pair.cubic.earliest(first), pair.cubic.latest(last));
+            let inner = (pair.cubic.latest(first), pair.cubic.earliest(last));
+            // What the rounding of its times eats up is not certain any more.
+            let (times, side) = if side == Verdict::Inside && inner.0 <= inner.1 {
+                (inner, side)
+            } else {
+                (outer, Verdict::Undecided)
+            };
+            count += 1;
+            let (start, end) = (times.0.max(window.0), times.1.min(window.1));
+            if start <= end {
+                self.intervals.push(VerdictInterval {
+                    start,
+                    end,
+                    side,
+                    member,
+                    is_clipped: times.0 < start || times.1 > end,
+                });
+            }
+        }
         let intervals = &self.intervals[first..];
         if !intervals.is_empty() {
             self.members.push(UncertainPair {
@@ -238,45 +263,6 @@ pub(crate) fn certified_approach(
     let least = least.least()?;
     let (approach, error) = least.settle(closest?);
     Some((approach, error, least.time))
-}
-
-/// Appends the clipped intervals of a span in which a pair of spheres is not certainly apart. Returns their number without
-/// the window.
-fn push_intervals(
-    pair: &SpherePair,
-    band: &MarginBand,
-    window: (f64, f64),
-    member: usize,
-    intervals: &mut Vec<VerdictInterval>,
-) -> usize {
-    let mut count = 0;
-    let threshold = band.threshold((pair.radius_a, pair.radius_b));
-    let stretches = pair.uncertain().stretches(threshold);
-    for &Stretch { first, last, side } in stretches.as_slice() {
-        if side == Verdict::Outside {
-            continue;
-        }
-        let outer = (pair.cubic.earliest(first), pair.cubic.latest(last));
-        let inner = (pair.cubic.latest(first), pair.cubic.earliest(last));
-        // What the rounding of its times eats up is not certain any more.
-        let (times, side) = if side == Verdict::Inside && inner.0 <= inner.1 {
-            (inner, side)
-        } else {
-            (outer, Verdict::Undecided)
-        };
-        count += 1;
-        let (start, end) = (times.0.max(window.0), times.1.min(window.1));
-        if start <= end {
-            intervals.push(VerdictInterval {
-                start,
-                end,
-                side,
-                member,
-                is_clipped: times.0 < start || times.1 > end,
-            });
-        }
-    }
-    count
 }
 
 /// Returns an outward enclosure of the exact sum of two radii and a margin.
