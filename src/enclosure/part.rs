@@ -1,8 +1,4 @@
-//! Parts of a cubic, each formed from the control points of the whole.
-//!
-//! A control point of a part is wrong by at most 9u times the largest norm of the control points
-//! given, however short the part: three steps with at most three roundings per term (weight,
-//! product, sum), and weights that are not negative and sum to one.
+//! Parts of a cubic, each formed from the control points of the whole (module documentation, section 1).
 
 use crate::blossom::{ControlPolygon, restrict};
 use glam::DVec3;

@@ -1,10 +1,7 @@
 //! Bernstein bounds that show a pair certainly farther apart than a threshold, or certainly nearer.
 //!
 //! The squared distance of a relative cubic is a sextic, and stays above the least of its seven
-//! Bernstein coefficients. With `M` the size of the polygon and `u` the unit of rounding, every
-//! computed coefficient is within 7 u M² of that of the given points, or 8 u M² of that of the
-//! points before they were rounded to the type of the lanes; a halving adds 6 u M² at most. The
-//! tolerances below are at least twice that.
+//! Bernstein coefficients. Their rounding is counted in the documentation of `kernels`.
 #![allow(
     clippy::needless_range_loop,
     reason = "many slices with one index is what is vectorised, and what is easiest to read"
