@@ -198,9 +198,9 @@ impl<'a> Fitter<'a> {
         let done = AtomicU32::new(0);
         let steps = f64::from(chains * (rounds + 1) + 2);
         let step = || progress(f64::from(done.fetch_add(1, Ordering::Relaxed) + 1) / steps);
-        let chains: Vec<u32> = (0..chains).collect();
-        let mut found = parallel::map(chains.len(), DescentScratch::default, |scratch, place| {
-            self.chain(count, chains[place], rounds, scratch, &step)
+        let chains = chains as usize;
+        let mut found = parallel::map(chains, DescentScratch::default, |scratch, chain| {
+            self.chain(count, chain, rounds, scratch, &step)
         });
         // Of equal ones the first: a stable sort.
         found.sort_by(|a, b| a.overshoot.total_cmp(&b.overshoot));
@@ -233,7 +233,7 @@ impl<'a> Fitter<'a> {
     fn chain(
         &self,
         count: usize,
-        chain: u32,
+        chain: usize,
         rounds: u32,
         scratch: &mut DescentScratch,
         step: &impl Fn(),
@@ -250,7 +250,7 @@ impl<'a> Fitter<'a> {
             last: 0.002,
             temperature: 0.4,
         };
-        let mut random = Random::new(self.seed, u64::from(chain));
+        let mut random = Random::new(self.seed, chain as u64);
         let target = self.target();
         let mut best = None;
         // The first chain begins with the best lattice.

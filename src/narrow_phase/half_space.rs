@@ -218,7 +218,8 @@ impl<'a> PlanePair<'a> {
             4.0 / scale_to_one(unknown)
         } else {
             // A power of two above twice the largest: what is added stays far from zero.
-            4.0 / scale_to_one(largest(&points).max(unknown))
+            let largest = |most: f64, height: f64| most.max(height.abs());
+            4.0 / scale_to_one(points.into_iter().fold(unknown, largest))
         };
         let points = points.map(|height| height + shift);
         let size = points.into_iter().fold(0.0, f64::max);
@@ -286,10 +287,6 @@ impl HeightRange {
             size: origin.abs().element_sum() + segment.rounding_scale(from, to),
         })
     }
-}
-
-fn largest(points: &[f64; 4]) -> f64 {
-    points.iter().map(|height| height.abs()).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
