@@ -20,7 +20,7 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
-use super::profile::{DistanceProfile, NO_CONTACT};
+use super::profile::DistanceProfile;
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::{Accuracy, Certificate, TimeEnclosure};
@@ -350,17 +350,12 @@ impl MergedConflict<'_> {
             let nearest = if is_nearer { index } else { nearest };
             closest = Some((best.or_lower(approach), nearest));
             let radius = pair.radius(band.outer).max(0.0);
-            profile.intervals_within(
-                &pair.cubic,
-                radius,
-                (window, NO_CONTACT),
-                |(enter, exit), _| {
-                    if exit >= self.start && enter <= self.end {
-                        first = first.min(enter);
-                        last = last.max(exit);
-                    }
-                },
-            );
+            profile.intervals_within(&pair.cubic, radius, window, |(enter, exit), _| {
+                if exit >= self.start && enter <= self.end {
+                    first = first.min(enter);
+                    last = last.max(exit);
+                }
+            });
         }
         let least = closest.and_then(|(_, nearest)| self.least(views, nearest, band.error));
         let (Some(least), Some((closest, _))) = (least, closest) else {

@@ -2,7 +2,7 @@
 
 use super::clusters::{ClusterPair, ProvenContact};
 use super::half_space::{self, may_touch_plane};
-use super::profile::{DistanceProfile, FoundContact, NO_CONTACT};
+use super::profile::DistanceProfile;
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::{Approach, Contact, SpherePair};
@@ -150,7 +150,7 @@ pub(crate) fn contacts(
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass, or one
         // of hulls that is as strict.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, (window, NO_CONTACT), found);
+            solved_contacts(&pair, span, margin, window, found);
         } else {
             contacts_of_many(a, b, span, margin, window, found);
         }
@@ -164,26 +164,12 @@ fn solved_contacts(
     pair: &SpherePair,
     span: Span,
     margin: f64,
-    clip_and_before: ((f64, f64), FoundContact),
+    window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
     if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
-        pair.contacts(&profile, span, margin, clip_and_before, found);
+        pair.contacts(&profile, span, margin, window, found);
     }
-}
-
-/// Returns a contact found before, joined with those of more contacts that touch it. If one does not touch it, that
-/// one takes its place.
-fn with_more(before: FoundContact, more: &[Contact]) -> FoundContact {
-    more.iter().fold(before, |((from, to), least), contact| {
-        let (interval, separation) = ((contact.enter, contact.exit), contact.closest.separation);
-        if interval.0 <= to && interval.1 >= from {
-            let joined = (from.min(interval.0), to.max(interval.1));
-            (joined, least.min(separation))
-        } else {
-            (interval, separation)
-        }
-    })
 }
 
 /// Appends the contacts of clusters over a span.
@@ -196,12 +182,10 @@ fn contacts_of_many(
     window: (f64, f64),
     found: &mut Vec<Contact>,
 ) {
-    let mut before = NO_CONTACT;
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
     clusters.each_for_contacts(margin, window, |pair, part, proven| {
         let count = found.len();
-        solved_contacts(pair, part, margin, (window, before), found);
-        before = with_more(before, &found[count..]);
+        solved_contacts(pair, part, margin, window, found);
         proven.extend(found[count..].iter().map(|contact| ProvenContact {
             enter: contact.enter,
             exit: contact.exit,
@@ -219,16 +203,13 @@ pub(crate) fn contacts_of<'s>(
     found: &mut Vec<Contact>,
 ) {
     let first = found.len();
-    let mut before = NO_CONTACT;
     for SolvedSpan {
         span,
         pair,
         profile,
     } in solved
     {
-        let count = found.len();
-        pair.contacts(profile, *span, margin, (window, before), found);
-        before = with_more(before, &found[count..]);
+        pair.contacts(profile, *span, margin, window, found);
     }
     join(found, first);
 }

@@ -1,7 +1,7 @@
 //! Nodes of a distance's profile over a span, and the crossing of a threshold between two of them.
 
 use super::relative::RelativeCubic;
-use crate::rounding::{UNIT_ROUNDOFF, norm, scale_to_one};
+use crate::rounding::{norm, scale_to_one};
 
 /// An instant of a span, and the distance there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,34 +40,6 @@ impl ProfileNode {
             time: cubic.time(s),
             distance: cubic.distance(s),
         }
-    }
-}
-
-/// Returns the end of an interval within the threshold, between two nodes: the [crossing]. If that, and all from there to the
-/// node inside, certainly lies in an interval that is known (s), the instant of that node.
-pub(super) fn end_of_interval(
-    cubic: &RelativeCubic,
-    radius: f64,
-    [inside, outside]: [&ProfileNode; 2],
-    (from, to): (f64, f64),
-) -> f64 {
-    /// Rounding of an instant's parameter, and of a parameter's instant but for that to the nearest number.
-    const ROUNDING: f64 = 16.0 * UNIT_ROUNDOFF;
-    let is_covered = |node: &ProfileNode| from <= node.time && node.time <= to;
-    // The distance falls from the outside to the inside: a crossing lies beyond what is certainly outside.
-    let lies_beyond_end = || {
-        let (s, low, high) = if outside.s < inside.s {
-            (cubic.parameter(from) + ROUNDING, outside.s, inside.s)
-        } else {
-            (cubic.parameter(to) - ROUNDING, inside.s, outside.s)
-        };
-        // Twice for the rounding of this distance and of the crossing's, and as much to spare.
-        low < s && s < high && cubic.distance(s) > radius + 4.0 * cubic.tolerance()
-    };
-    if is_covered(inside) && (is_covered(outside) || lies_beyond_end()) {
-        inside.time
-    } else {
-        crossing(cubic, radius, inside, outside)
     }
 }
 

@@ -5,7 +5,7 @@
 //! the whole span first and clipped to the window afterwards, so that an interval has the same bits
 //! whatever the window.
 
-use super::crossing::{ProfileNode, end_of_interval};
+use super::crossing::{ProfileNode, crossing};
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::relative::RelativeCubic;
 use super::squared_distance::SquaredDistance;
@@ -224,15 +224,11 @@ impl DistanceProfile {
     /// Calls `found` with the ends (s) and the instant of least distance of each maximal
     /// interval within `radius` that overlaps `from..=to`, clipped to it. They come in time order.
     /// Distances within rounding of the radius count.
-    ///
-    /// `covered` (s) is the interval of a contact found before, and `nearest` (m) its least centre distance. An interval
-    /// that is nowhere as near may end too early, or begin too late, within `covered`: the part between its end and
-    /// the next node inside may be missing. The contact found before contains that part.
     pub(crate) fn intervals_within(
         &self,
         cubic: &RelativeCubic,
         radius: f64,
-        ((from, to), (covered, nearest)): ((f64, f64), FoundContact),
+        (from, to): (f64, f64),
         mut found: impl FnMut((f64, f64), ProfilePoint),
     ) {
         let threshold = radius + cubic.tolerance();
@@ -257,22 +253,14 @@ impl DistanceProfile {
             {
                 continue;
             }
-            let least = nodes[first..=last].iter().map(|node| node.distance);
-            let least = least.fold(f64::INFINITY, f64::min) - 4.0 * cubic.tolerance();
-            let covered = if least > nearest {
-                covered
-            } else {
-                NO_CONTACT.0
-            };
-            let end = |nodes| end_of_interval(cubic, radius, nodes, covered);
             let (first, last) = (&nodes[first], &nodes[last]);
             let enter = match before {
-                Some(outside) if first.time > from => end([first, outside]),
+                Some(outside) if first.time > from => crossing(cubic, radius, first, outside),
                 Some(_) => from,
                 None => first.time,
             };
             let exit = match after {
-                Some(outside) if last.time < to => end([last, outside]),
+                Some(outside) if last.time < to => crossing(cubic, radius, last, outside),
                 Some(_) => to,
                 None => last.time,
             };
@@ -302,16 +290,8 @@ impl ProfilePoint {
     }
 }
 
-/// A contact that was found before, of other spheres or in another span of the same two bodies: its interval (s), and
-/// its separation or centre distance (m).
-pub(super) type FoundContact = ((f64, f64), f64);
-
-/// No contact found before: an empty interval.
-pub(super) const NO_CONTACT: FoundContact = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
-
 #[cfg(test)]
 mod tests {
-    use super::super::crossing::crossing;
     use super::*;
     use crate::rounding::exact::vector;
     use crate::rounding::{UNIT_ROUNDOFF, largest_norm};
@@ -329,47 +309,6 @@ mod tests {
             error: roundings * UNIT_ROUNDOFF * size,
             size,
         }
-    }
-
-    /// The end of an interval is the crossing, unless it lies in what is known: also where that ends within
-    /// roundings of it, early and late on the clock.
-    #[test]
-    fn ends_are_left_out_where_they_are_known() {
-        let mut rng = ChaCha8Rng::seed_from_u64(2);
-        let mut counts = [0; 2];
-        for round in 0..40_000 {
-            let start = [0.0, 1e3, 1e9, -0.3][round % 4];
-            let cubic = any_cubic(&mut rng, start, [1.0, 1e6][round / 4 % 2]);
-            let radius = rng.random_range(0.1..1.0);
-            let profile = DistanceProfile::of(&cubic);
-            let threshold = radius + cubic.tolerance();
-            for ends in profile.nodes().windows(2) {
-                let nodes = match [0, 1].map(|k| ends[k].distance <= threshold) {
-                    [true, false] => [&ends[0], &ends[1]],
-                    [false, true] => [&ends[1], &ends[0]],
-                    _ => continue,
-                };
-                let [inside, outside] = nodes;
-                let at = crossing(&cubic, radius, inside, outside);
-                let mut near = at;
-                for _ in 0..rng.random_range(0..4) {
-                    near = [near.next_up(), near.next_down()][rng.random_range(0..2)];
-                }
-                near += [0.0, 0.0, 1e-15, -1e-15, 1e-9, -1e-9][rng.random_range(0..6)];
-                for known in [(near, cubic.end), (cubic.start, near), NO_CONTACT.0] {
-                    let found = end_of_interval(&cubic, radius, nodes, known);
-                    let covers = |time: f64| known.0 <= time && time <= known.1;
-                    let is_found = found.total_cmp(&at).is_eq();
-                    let is_left_out = found.total_cmp(&inside.time).is_eq() && covers(found);
-                    assert!(
-                        is_found || is_left_out && covers(at),
-                        "{round} {at} {known:?}"
-                    );
-                    counts[usize::from(is_found)] += 1;
-                }
-            }
-        }
-        assert!(counts.iter().all(|&count| count > 2_000), "{counts:?}");
     }
 
     /// The largest distance in a part of a stretch: no instant of it is farther, and one is as far.

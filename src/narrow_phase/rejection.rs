@@ -72,7 +72,7 @@ fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::narrow_phase::profile::{DistanceProfile, NO_CONTACT};
+    use crate::narrow_phase::profile::DistanceProfile;
     use crate::narrow_phase::relative::{RelativeCubic, local_scale, rejection_threshold};
     use crate::trajectory::{State, Trajectory};
     use rand::rngs::ChaCha8Rng;
@@ -107,9 +107,7 @@ mod tests {
             let radius = (least.distance + off).max(0.0);
             let threshold = rejection_threshold(radius, scale);
             let mut contacts = Vec::new();
-            profile.intervals_within(&cubic, radius, (whole, NO_CONTACT), |ends, _| {
-                contacts.push(ends)
-            });
+            profile.intervals_within(&cubic, radius, whole, |ends, _| contacts.push(ends));
             if contacts.is_empty() {
                 continue;
             }

@@ -1,11 +1,11 @@
 //! Two spheres over one span, their contacts and closest approach.
 
-use super::profile::{DistanceProfile, FoundContact, ProfilePoint};
+use super::profile::{DistanceProfile, ProfilePoint};
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, local_scale, rejection_threshold};
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
-use crate::rounding::{CLEARANCE, UNIT_ROUNDOFF};
+use crate::rounding::CLEARANCE;
 use crate::spans::Span;
 use glam::DVec3;
 
@@ -115,36 +115,26 @@ impl SpherePair {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
-    /// Appends the contacts in a window, given a contact found before. Contacts with a larger separation may lack the
-    /// part that this one covers: see [`intervals_within`](DistanceProfile::intervals_within).
+    /// Appends the contacts in a window.
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
         span: Span,
         margin: f64,
-        (window, (covered, separation)): ((f64, f64), FoundContact),
+        window: (f64, f64),
         found: &mut Vec<Contact>,
     ) {
         let radius = self.radius(margin);
         if radius < 0.0 {
             return;
         }
-        // Separations are rounded to the size of the radii.
-        let radii = self.radius_a + self.radius_b;
-        let rounding = 4.0 * UNIT_ROUNDOFF * (radii + separation.abs());
-        let nearest = radii + separation + rounding;
-        profile.intervals_within(
-            &self.cubic,
-            radius,
-            (window, (covered, nearest)),
-            |(enter, exit), closest| {
-                found.push(Contact {
-                    enter,
-                    exit,
-                    closest: self.approach(span, closest),
-                });
-            },
-        );
+        profile.intervals_within(&self.cubic, radius, window, |(enter, exit), closest| {
+            found.push(Contact {
+                enter,
+                exit,
+                closest: self.approach(span, closest),
+            });
+        });
     }
 
     /// Returns the closest approach between two instants of a span.

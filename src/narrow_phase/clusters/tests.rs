@@ -8,7 +8,7 @@ use super::super::certified::{
 use super::super::contact::{
     ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
 };
-use super::super::profile::{DistanceProfile, NO_CONTACT};
+use super::super::profile::DistanceProfile;
 use super::sections::Rotations;
 use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
@@ -179,7 +179,7 @@ impl Case {
         let mut found = Vec::new();
         self.each(Accuracy::Exact, |pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, span, margin, (window, NO_CONTACT), &mut found);
+            pair.contacts(&profile, span, margin, window, &mut found);
         });
         join(&mut found, 0);
         found

@@ -2,7 +2,7 @@
 
 use super::super::super::certified::{Workspace, certified_approach};
 use super::super::super::contact::{SolvedSpan, closest_approach, solve};
-use super::super::super::profile::{DistanceProfile, NO_CONTACT};
+use super::super::super::profile::DistanceProfile;
 use super::{Case, Mover, kept_contacts, vector};
 use crate::accuracy::Accuracy;
 use crate::hitbox::{Hitbox, Sphere};
@@ -301,9 +301,9 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         let case = late_case(&mut rng);
         let mut instants = Vec::new();
         case.each(Accuracy::Exact, |pair, span| {
-            let (profile, asked) = (DistanceProfile::of(&pair.cubic), (case.window, NO_CONTACT));
+            let profile = DistanceProfile::of(&pair.cubic);
             let mut found = Vec::new();
-            pair.contacts(&profile, span, case.band().outer, asked, &mut found);
+            pair.contacts(&profile, span, case.band().outer, case.window, &mut found);
             let of_contact = |one: &Contact| [one.enter, one.closest.time, one.exit];
             instants.extend(found.iter().flat_map(of_contact));
         });
