@@ -12,9 +12,9 @@
 //! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
 //! | points of curves: origin, displacements | `trajectory/curves/bezier` | `curves::tests` |
-//! | velocities of end motions of curves | `trajectory/curves` | proof 9 |
+//! | velocities of end motions of curves | `trajectory/curves` | proof 8 |
 //! | errors of both cubics where several become one | `trajectory/simplified` | `simplified::tests::the_errors_of_both_count` |
-//! | rounding of their difference | `trajectory/simplified` | proof 10 |
+//! | rounding of their difference | `trajectory/simplified` | proof 9 |
 //! | parts: own error, whole (the last point of a line), inside, underflow | `trajectory/segment` | `segment::tests::{points_of_lines, points_of_parts}` |
 //! | origins, offsets, local parts, last sum | `narrow_phase/relative` | `relative::tests::sums_are_within_the_error` |
 //! | errors of both bodies | `narrow_phase/relative` | `relative::tests::errors_of_both_bodies_add_up` |
@@ -25,7 +25,7 @@
 //! | clearances of both comparisons span by span | `narrow_phase/half_space` | `half_space::tests::what_touches_is_not_ruled_out` |
 //! | clearance of the first comparison | `scene/heights` | `tests/half_space` `guards` |
 //! | windows of half-spaces | `screen/half_spaces`, `monitor/half_spaces` | `tests/half_space` `guards` |
-//! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 12 |
+//! | the end of a lookahead, what a spent budget leaves | `monitor/half_spaces` | proof 11 |
 //! | model errors above a plane | `narrow_phase/half_space`, `screen/half_spaces` | `tests/half_space` `together` |
 //! | errors of turning centres, in radii and in enclosures | `narrow_phase/clusters` | `tests/half_space` `turning`, `tests/turning` |
 //! | interpolation of rotations | `orientation/arc`, `quaternion_cubic` | `orientation::tests::cubics_stay_within_their_error` |
@@ -34,45 +34,42 @@
 //! | rounding of rotations, of their parts, of points, and of what goes on after knots | `orientation` | `orientation::tests::terms` |
 //! | cubics of quaternions that vanish | `orientation/quaternion_cubic` | `terms::cubics_that_vanish_are_unknown` |
 //! | the sphere around turning ones: error, rounding, underflow | `orientation/turning` | `terms::enlarged_spheres_are_within_reach` |
-//! | twice the error in it | `orientation/turning` | proof 13 |
+//! | twice the error in it | `orientation/turning` | proof 12 |
 //! | clearances and errors of turning spheres, the part that ends where a window begins | `narrow_phase/clusters` | `clusters::tests` |
-//! | instants of a bounding sphere | `narrow_phase/clusters/sections` | proof 14 |
+//! | instants of a bounding sphere | `narrow_phase/clusters/sections` | proof 13 |
 //! | coefficients of pairs of spheres, and of parts of them | `narrow_phase/clusters/candidates` | `clusters::tests`, `candidates::tests` |
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of rejections: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
 //! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
-//! | squares of coefficients | `narrow_phase/squared_distance` | `squared_distance::tests::what_is_reached_is_not_beyond` |
-//! | tolerance before roots, once | `narrow_phase/profile` | `profile::tests` |
-//! | tolerance before roots, once more | `narrow_phase/profile` | proof 1 |
 //! | differences of coefficients; tolerance of intervals | `narrow_phase/squared_distance`, `profile` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
 //! | clearance of what pairs must reach, wherever it is used | `narrow_phase/clusters/search` | `clusters::tests` |
 //! | parts of a window | `narrow_phase/clusters` | `clusters::tests::what_instants_are_rounded_by_rules_nothing_out` |
-//! | blurs, pieces between proven contacts, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 8 |
+//! | blurs, pieces between proven contacts, what is reached | `narrow_phase/clusters`, `sphere_pair` | proof 7 |
 //! | passing lines: differences, products, range | `narrow_phase/approach` | `approach::tests::grazing_passes*` |
 //! | shares of a slice; instants | `narrow_phase/approach` | `approach::tests::{passes_that_touch*, intervals_between_instants*}` |
 //! | coefficients of a minorant | `enclosure/minorant` | `minorant::tests` |
 //! | rounding of a slope | `enclosure/minorant` | `minorant::exactly::the_slope_is_below_the_exact_one` |
-//! | rounding of the leading coefficient: of both terms, and of the difference | `enclosure/minorant` | proof 2 |
+//! | rounding of the leading coefficient: of both terms, and of the difference | `enclosure/minorant` | proof 1 |
 //! | a minorant's least value: base, depth | `enclosure/minorant` | `minorant::exactly::the_lower_bound_is_below_the_quadratic` |
 //! | the end of its reach: base, root | `enclosure/minorant` | `minorant::exactly::the_quadratic_is_above_a_threshold_beyond_its_reach` |
 //! | splits and errors of a cubic, scaling, norms, restored lengths | `enclosure/part`, `scaled` | `scaled::tests`, `tests/extended/tests/enclosure` |
 //! | roots and ends of a distance, ends of parameters | `enclosure/minimum` | `minimum::tests` |
 //! | Markov's 18, 96 and 192, the error across the displacement, what a range takes away | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_whatever_the_error` |
 //! | rounding of a stationary point's slope | `enclosure/stationary` | `minorant::exactly::nearest_points_are_within_reach_of_a_rounded_slope` |
-//! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `stationary` | proof 3 |
+//! | 1 + 2^-40 on a stationary point | `enclosure/minimum`, `stationary` | proof 2 |
 //! | twice the error to a minimiser | `enclosure/minimum` | `tests/extended/tests/enclosure` |
 //! | squares of thresholds; underflow of the outer one | `enclosure/thresholds` | `thresholds::tests`; `tests/extended/tests/enclosure` |
 //! | own error of a cubic, control points of a part | `enclosure/crossings` | `tests/extended/tests/enclosure` |
-//! | squares of a part, crossings, trims | `enclosure/crossings` | proof 4 |
+//! | squares of a part, crossings, trims | `enclosure/crossings` | proof 3 |
 //! | screens, splits of enclosures, conversion to f32, guesses | `kernels` | `tests/extended/tests/kernels.rs` |
 //! | error of a span; thresholds in f32 | `kernels/spans`, `real` | `spans::what_is_badly_known_is_never_decided`, `real::tests` |
 //! | underflow of a screen | `kernels/screen` | `kernels::exactly::screens_are_rounded_outward` |
-//! | squares of a screen's thresholds | `kernels/screen` | proof 5 |
+//! | squares of a screen's thresholds | `kernels/screen` | proof 4 |
 //! | roundings outward of an enclosure | `enclosure/minimum` | `minimum::tests::distances_are_rounded_outward` |
-//! | underflow of a conversion, ends of the range of blocks | `kernels/within`, `loops` | proof 6 |
+//! | underflow of a conversion, ends of the range of blocks | `kernels/within`, `loops` | proof 5 |
 //! | points of a compact trajectory beyond the knots, extent | `bounds/points`, `sub_cubic` | `points::tests` |
 //! | own error of a segment, whole or in part | `bounds/points` | `points::tests::what_is_badly_known_is_held` |
 //! | splits of a compact trajectory | `bounds/sub_cubic` | `sub_cubic::tests` |
@@ -80,49 +77,47 @@
 //! | line of a run of cubics; its displacement in no time; its sum; sums of a fat line, lengths that vanish | `bounds/builder` | `builder::tests` |
 //! | places far from the middle, in boxes and fat lines | `bounds/builder` | `source::tests` |
 //! | the displacement of a box that moves: both terms | `bounds/builder` | `builder::tests::places_in_moving_boxes_are_within_their_rounding` |
-//! | one of them; the middle of a fat line | `bounds/builder` | proof 7 |
+//! | one of them; the middle of a fat line | `bounds/builder` | proof 6 |
 //! | places of a hull test | `bounds/apart` | `apart::tests` |
 //! | instants of a screening's edges and of a budget's | `monitor/lookahead`, `screen/mod` | `tests/monitor` `budgets` |
 //! | instants of a question, of a jump | `monitor/lookahead/ask`, `jump` | `tests/monitor` `instants` |
 //! | values of a motion, remainder by a fourth derivative | `trajectory/fit/motion` | `tests/fit` `proven` |
 //! | values of a motion that are seen | `trajectory/fit/motion` | `tests/fit` `estimated` |
 //! | remainder of a polynomial, rounding of its coefficients | `trajectory/fit/reduction` | `tests/fit` `polynomials` |
-//! | rounding of positions that are returned | `trajectory/segment` | proof 11 |
+//! | rounding of positions that are returned | `trajectory/segment` | proof 10 |
 //!
-//! 1. Dropped once, the coefficients' own 64 roundings cover it. The solver's error is 48 roundings of
-//!    the size in the worst case; two or three in tests.
-//! 2. Two of five first-order terms: the errors of the coefficients cover them in all tests, since
+//! 1. Two of five first-order terms: the errors of the coefficients cover them in all tests, since
 //!    no test has all of their 24 roundings at their worst. (Of the first coefficient four of five
 //!    are needed; hill climbing reached 4.09.) The depth of lanes has five in eight of its own.
-//! 3. Second order: only the bounds' own rounding.
-//! 4. Eight roundings of a square where seven are counted, four of a square for three, four of an
+//! 2. Second order: only the bounds' own rounding.
+//! 3. Eight roundings of a square where seven are counted, four of a square for three, four of an
 //!    end for three. Errors of 9 roundings of the size, which no part reaches, are added to each.
-//! 5. Coefficients take 14 of the tolerance's 16 roundings, thresholds two: none to spare in the worst
+//! 4. Coefficients take 14 of the tolerance's 16 roundings, thresholds two: none to spare in the worst
 //!    case, and most of the 14 in all others.
-//! 6. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 2^-40 of itself, 4 and one unit: the
+//! 5. Size, total, root and sum are rounded by 3, 2, 3 and 2, and raised by 4, 2^-40 of itself, 4 and one unit: the
 //!    others hide one dropped alone. Lengths are scaled to the order of one, where rounding far
 //!    exceeds underflow. A cubic scaled back has a size above 1e-285 m, and a normal error.
-//! 7. Seven roundings of the displacement are needed where each of the terms has six; seven of a
+//! 6. Seven roundings of the displacement are needed where each of the terms has six; seven of a
 //!    fat line's place, where the first terms have six. A line that goes on beyond its body's ends takes two more of its
 //!    change: five of eight.
-//! 8. An instant is rounded to the nearest number. So a solved pair's separation and contact are
+//! 7. An instant is rounded to the nearest number. So a solved pair's separation and contact are
 //!    off by the motion in one rounding. Another pair of spheres that is nearer by less, or touches
 //!    within one rounding outside a contact, may be the one to report. The terms are that motion
 //!    and the solver's tolerance; a test would need a tie within, but not exactly at, them.
-//! 9. A line with an error takes 20 roundings of its length for its velocity. The term makes the
+//! 8. A line with an error takes 20 roundings of its length for its velocity. The term makes the
 //!    error positive where nothing else does, so that these count.
-//! 10. The difference is largest at a Bézier point only where a cubic ends. Elsewhere the point
-//!     exceeds it by far more than three roundings of the lengths that are subtracted.
-//! 11. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
+//! 9. The difference is largest at a Bézier point only where a cubic ends. Elsewhere the point
+//!    exceeds it by far more than three roundings of the lengths that are subtracted.
+//! 10. At most 80 roundings of the extent by their count. Two or three in tests, where the error of the control points
 //!     covers them.
 //!
-//! 12. A body is compared up to an instant, and again when the lookahead's end has come there. Reported
+//! 11. A body is compared up to an instant, and again when the lookahead's end has come there. Reported
 //!     instants are off by less than one rounding where the motion began within a day. A test would need
 //!     a motion of which an instant takes several roundings, and a contact there.
-//! 13. Half of it covers all that is known: interpolation of a circle lies inside it, and cubics of
+//! 12. Half of it covers all that is known: interpolation of a circle lies inside it, and cubics of
 //!     quaternions have errors within the tolerance, half of the error that is allowed. Where a plan is
 //!     left within such a cubic, what is left of that has no proven bound but the allowed one.
-//! 14. An instant of a span has three roundings. It would have to be that of a contact in the very rounding
+//! 13. An instant of a span has three roundings. It would have to be that of a contact in the very rounding
 //!     where one part ends and the next one begins, and the walk begins one instant early as well.
 //!
 //! Squares that meet F of the enclosures need no term against underflow. In the cubic's unit the

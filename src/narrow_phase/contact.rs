@@ -111,8 +111,10 @@ pub(crate) fn solve(
         if radius < 0.0 {
             return None;
         }
-        let profile = DistanceProfile::near(&pair.cubic, radius)
-            .filter(|profile| profile.comes_within(&pair.cubic, radius))?;
+        let profile = DistanceProfile::of(&pair.cubic);
+        if !profile.comes_within(&pair.cubic, radius) {
+            return None;
+        }
         let interval = (span.start, span.end);
         let pair = *pair;
         let span = SolvedSpan {
@@ -150,26 +152,13 @@ pub(crate) fn contacts(
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass, or one
         // of hulls that is as strict.
         if let Some(pair) = lone_pair(a, b, span) {
-            solved_contacts(&pair, span, margin, window, found);
+            let profile = DistanceProfile::of(&pair.cubic);
+            pair.contacts(&profile, span, margin, window, found);
         } else {
             contacts_of_many(a, b, span, margin, window, found);
         }
     }
     join(found, first);
-}
-
-/// Appends the contacts of two spheres over a span, solved here.
-#[inline]
-fn solved_contacts(
-    pair: &SpherePair,
-    span: Span,
-    margin: f64,
-    window: (f64, f64),
-    found: &mut Vec<Contact>,
-) {
-    if let Some(profile) = DistanceProfile::near(&pair.cubic, pair.radius(margin)) {
-        pair.contacts(&profile, span, margin, window, found);
-    }
 }
 
 /// Appends the contacts of clusters over a span.
@@ -185,7 +174,8 @@ fn contacts_of_many(
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
     clusters.each_for_contacts(margin, window, |pair, part, proven| {
         let count = found.len();
-        solved_contacts(pair, part, margin, window, found);
+        let profile = DistanceProfile::of(&pair.cubic);
+        pair.contacts(&profile, part, margin, window, found);
         proven.extend(found[count..].iter().map(|contact| ProvenContact {
             enter: contact.enter,
             exit: contact.exit,

@@ -8,7 +8,7 @@
 
 use super::crossing::ProfileNode;
 use super::relative::RelativeCubic;
-use super::squared_distance::SquaredDistance;
+use super::squared_distance::is_monotonic;
 use super::stationary::{MAX_STATIONARY, stationary_points};
 use crate::enclosure::part;
 use crate::rounding::largest_norm;
@@ -62,7 +62,7 @@ impl DistanceExtrema {
         const MAX_HALVINGS: u32 = 60;
         let part = part_of(cubic, (from, to));
         let is_rounding = part.size <= cubic.tolerance() || halvings == MAX_HALVINGS;
-        if !is_rounding && !SquaredDistance::of(&part).is_monotonic() {
+        if !is_rounding && !is_monotonic(&part) {
             let found = stationary_points(&part);
             let inside = found.iter().map(|s| from + s * (to - from));
             let all = inside.clone().chain([from, to]);

@@ -1,8 +1,8 @@
 //! The exact solver: closest approach and contacts of one pair.
 //!
 //! The solver works on a body's cubics and spheres, span by span. Within a span it forms the
-//! `relative` cubic, applies the `rejection` tests or Bernstein coefficients of the `squared_distance`, and finds `stationary`
-//! points (and the `dips` that the squared distance hides) and the `profile` of the distance between them. `contact` joins these
+//! `relative` cubic, applies the `rejection` tests, and finds `stationary` points, unless the `squared_distance` shows that there
+//! are none (and the `dips` that it hides), and the `profile` of the distance between them. `contact` joins these
 //! across spans and spheres, `certified` with certificates. For two bodies of which one
 //! is a cluster or turns, `clusters` selects the pairs of spheres to solve. A `half_space` and a sphere are
 //! solved as two spheres on a line. [`kernels`] answers many independent pairs at once.

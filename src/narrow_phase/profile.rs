@@ -8,7 +8,7 @@
 use super::crossing::{ProfileNode, crossing};
 use super::dips::{DistanceExtrema, may_be_hidden};
 use super::relative::RelativeCubic;
-use super::squared_distance::SquaredDistance;
+use super::squared_distance::is_monotonic;
 use super::stationary::{MAX_STATIONARY, MAXIMUM_ERROR, stationary_points};
 use crate::conflict::Clip;
 use crate::rounding::norm;
@@ -38,21 +38,8 @@ impl DistanceProfile {
         if cubic.is_constant() {
             Self::constant(cubic)
         } else {
-            Self::changing(cubic, &SquaredDistance::of(cubic))
+            Self::changing(cubic)
         }
-    }
-
-    /// Returns the profile, or `None` if it is certain without a root that no
-    /// [intervals](Self::intervals_within) are within `radius`.
-    #[inline]
-    pub(crate) fn near(cubic: &RelativeCubic, radius: f64) -> Option<Self> {
-        if cubic.is_constant() {
-            return Some(Self::constant(cubic));
-        }
-        let squared = SquaredDistance::of(cubic);
-        // Once for what counts as within, once for the rounding of what is compared with it.
-        let is_beyond = squared.is_beyond(radius + 2.0 * cubic.tolerance());
-        (!is_beyond).then(|| Self::changing(cubic, &squared))
     }
 
     /// Returns the profile of a constant distance: differences at the ends are rounding.
@@ -70,9 +57,9 @@ impl DistanceProfile {
 
     // Not inlined: a profile is formed where its caller wants it, instead of moved there.
     #[inline(never)]
-    fn changing(cubic: &RelativeCubic, squared: &SquaredDistance) -> Self {
+    fn changing(cubic: &RelativeCubic) -> Self {
         let mut profile = Self::from(ProfileNode::first(cubic));
-        if squared.is_monotonic() {
+        if is_monotonic(cubic) {
             profile.push(ProfileNode::last(cubic));
             return profile;
         }
@@ -341,30 +328,5 @@ mod tests {
             }
         }
         assert!(peaks > 300, "{peaks}");
-    }
-
-    /// A motion within the tolerance of a radius, and no nearer, is examined, for tolerances of
-    /// roundings alone and of inexact motions.
-    #[test]
-    fn what_counts_as_within_is_not_ruled_out() {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let (mut within, mut beyond) = (0, 0);
-        for round in 0..20_000 {
-            let cubic = any_cubic(&mut rng, 0.0, [1.0, 1e9][round % 2]);
-            let profile = DistanceProfile::of(&cubic);
-            let least = profile.closest(&cubic, 0.0, 1.0).distance;
-            let share = rng.random_range(0.99..1.01);
-            let radius = least - cubic.tolerance() * share;
-            if radius < 0.0 {
-                continue;
-            }
-            let is_within = profile.comes_within(&cubic, radius);
-            let found = DistanceProfile::near(&cubic, radius).is_some();
-            assert!(found || !is_within, "{round} {cubic:?} {radius}");
-            within += u32::from(is_within);
-            beyond +=
-                u32::from(DistanceProfile::near(&cubic, radius * (1.0 - 1e-6) - 1e-6).is_none());
-        }
-        assert!(within > 5_000 && beyond > 100, "{within} {beyond}");
     }
 }

@@ -1,65 +1,39 @@
-//! Proofs about a span by the Bernstein coefficients of the squared distance, before any root is sought.
+//! A proof about a span by the Bernstein coefficients of the squared distance, before any root is sought.
 
 use super::relative::RelativeCubic;
 use crate::enclosure::squared_distance;
 use crate::rounding::{UNIT_ROUNDOFF, scale_to_one};
 
-/// Bernstein coefficients of the squared distance over a span. The unit is a power of two for which the
-/// largest norm of a control point lies in [1, 2), so no coefficient exceeds 4. Each coefficient has an error of
-/// at most 7 roundings of that: three of a scalar product, four of the weighted mean of two.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SquaredDistance {
-    bernstein: [f64; 7],
-    /// Factor from metres to that unit.
-    power: f64,
-}
-
-impl SquaredDistance {
-    pub(super) fn of(cubic: &RelativeCubic) -> Self {
-        let power = scale_to_one(cubic.size);
-        Self {
-            bernstein: squared_distance(&cubic.points.map(|point| point * power)),
-            power,
-        }
-    }
-
-    /// Returns true if the distance certainly rises or certainly falls over the whole span. The
-    /// solver's rounding is covered: it would find no stationary point between the ends.
+/// Returns true if the distance certainly rises or certainly falls over the whole span. The
+/// solver's rounding is covered: it would find no stationary point between the ends.
+///
+/// A polynomial in Bernstein form rises if its Bernstein coefficients do. Most spans of a long contact
+/// pass this test, at a tenth of the cost of a root search.
+pub(super) fn is_monotonic(cubic: &RelativeCubic) -> bool {
+    /// Least difference of neighbouring coefficients, in a unit (a power of two) for which the largest norm of a control
+    /// point lies in [1, 2). Each coefficient has an error of at most 7 roundings of 4: three of a scalar product, four of
+    /// the weighted mean of two.
     ///
-    /// A polynomial in Bernstein form rises if its Bernstein coefficients do. Most spans of a long contact
-    /// pass this test, at a tenth of the cost of a root search.
-    pub(super) fn is_monotonic(&self) -> bool {
-        /// Least difference of neighbouring coefficients.
-        ///
-        /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
-        /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings
-        /// of its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against
-        /// 390,000.
-        const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
-        let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
-        for ends in self.bernstein.windows(2) {
-            let step = ends[1] - ends[0];
-            least = if step < least { step } else { least };
-            largest = if step > largest { step } else { largest };
-        }
-        least > STEP || largest < -STEP
+    /// The derivative over u in -1..=1, whose roots the solver seeks, is 3 times a mean of the
+    /// differences. Its power coefficients sum up to 300 at most; each is wrong by 18 roundings
+    /// of its bound, evaluation adds 11, and 28 are taken for zero: 17,000 roundings, against
+    /// 390,000.
+    const STEP: f64 = 131_072.0 * UNIT_ROUNDOFF;
+    let power = scale_to_one(cubic.size);
+    let bernstein = squared_distance(&cubic.points.map(|point| point * power));
+    let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for ends in bernstein.windows(2) {
+        let step = ends[1] - ends[0];
+        least = if step < least { step } else { least };
+        largest = if step > largest { step } else { largest };
     }
-
-    /// Returns true if the distance certainly stays above `radius` (m), which must include the
-    /// solver's rounding: it would find no instant with a smaller distance.
-    pub(super) fn is_beyond(&self, radius: f64) -> bool {
-        let least = self.bernstein.into_iter().fold(f64::INFINITY, f64::min);
-        let radius = radius * self.power;
-        // 28 roundings of the coefficients, and two of the radius and its square: of 4 where it matters.
-        least > radius * radius + 64.0 * UNIT_ROUNDOFF
-    }
+    least > STEP || largest < -STEP
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::narrow_phase::stationary::stationary_points;
-    use crate::rounding::exact::Exact;
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
@@ -72,31 +46,6 @@ mod tests {
             error: 0.0,
             size: crate::rounding::largest_norm(&points),
         }
-    }
-
-    /// No radius is ruled out that a distance attains, or misses by its rounding, at an end.
-    #[test]
-    fn what_is_reached_is_not_beyond() {
-        let mut rng = ChaCha8Rng::seed_from_u64(12);
-        let mut is_near = 0;
-        for round in 0..20_000 {
-            let mut vector = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
-            let (end, way) = (vector(), vector());
-            // Away from the origin, and nearest at the end.
-            let way = if way.dot(end) > 0.0 { way } else { -way };
-            let cubic = cubic([0.0, 1.0, 2.0, 3.0].map(|step| end + step * way));
-            let exact = Exact::of(end);
-            let mut radius = end.length().next_down().next_down();
-            while !exact.is_within(radius) {
-                radius = radius.next_up();
-            }
-            assert!(
-                !SquaredDistance::of(&cubic).is_beyond(radius),
-                "{round} {end}"
-            );
-            is_near += u32::from(SquaredDistance::of(&cubic).is_beyond(radius * (1.0 - 1e-13)));
-        }
-        assert!(is_near > 10_000, "{is_near}");
     }
 
     /// Returns the part from `from` on of a cubic given by its control points.
@@ -134,7 +83,7 @@ mod tests {
             points = rest(points, share);
             let cubic = cubic(points);
             let found = stationary_points(&cubic);
-            if SquaredDistance::of(&cubic).is_monotonic() {
+            if is_monotonic(&cubic) {
                 assert!(found.as_slice().is_empty(), "{round} {points:?}");
                 monotonic += 1;
                 beside += u32::from(share < 1e-3);
