@@ -14,6 +14,10 @@
 //! - `frame/told_crowd/10k`, `frame/update_screen_crowd/10k`, one thread: the same with one body in 3^3 m;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
+//! - `frame/told_in_steps/10k`, one thread: as `told`, four times a frame, with the states of four steps;
+//! - `frame/told_again/10k`, one thread: as `told`, twice for the same instant, with positions 1 mm apart;
+//! - `frame/told_ahead/10k`, one thread: as `told`, with states of an instant 50 ms after the frame;
+//! - `frame/untold_near/10k`, one thread: a tick with a lookahead of 1/60 s, and nobody is told anything;
 //! - `frame/told_resting/10k`, one thread: as `told`, and half of the bodies rest;
 //! - `frame/told_and_asked/10k`, one thread: as `told`, and then ten questions by `Monitor::what_if`;
 //! - `frame/told_walls/10k`, one thread: as `told`, within six half-spaces, and with a second alert level of 0 m;
@@ -141,6 +145,10 @@ fn main() {
     run.measure(("update_screen_crowd", 10_000), 1, UpdateScreen::crowd);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);
+    run.measure(("told_in_steps", 10_000), 1, Told::in_steps);
+    run.measure(("told_again", 10_000), 1, Told::again);
+    run.measure(("told_ahead", 10_000), 1, Told::ahead);
+    run.measure(("untold_near", 10_000), 1, Told::near);
     run.measure(("told_resting", 10_000), 1, Told::half_at_rest);
     run.measure(("told_and_asked", 10_000), 1, Told::with_questions);
     run.measure(("told_walls", 10_000), 1, Told::within_walls);

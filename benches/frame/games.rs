@@ -1,8 +1,11 @@
 //! Games: a world, and those that are told of all its bodies in each frame.
 
 use super::shots::Shots;
-use super::world::{MARGIN, MovingBodies, World};
-use nearmiss::{AlertLevel, Budget, Event, Monitor, Query, Scene, State, Trajectory, Window};
+use super::world::{MARGIN, MovingBodies, STEP, World};
+use nearmiss::glam::DVec3;
+use nearmiss::{
+    AlertLevel, BodyId, Budget, Event, Monitor, Query, Scene, State, Trajectory, Window,
+};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -78,6 +81,41 @@ impl Game for UpdateScreen {
     }
 }
 
+/// The calls by which bodies are told in a frame.
+#[derive(Clone, Copy)]
+enum Calls {
+    /// One, for the frame's instant, with the states then.
+    One,
+    /// Four, as of an engine that takes so many steps a frame.
+    Steps,
+    /// Two for the same instant: the second one corrects all positions by a millimetre.
+    Again,
+    /// One, with the states of an instant 50 ms after the frame, as of a clock that is ahead.
+    Ahead,
+}
+
+impl Calls {
+    /// Returns the instant (s) and the states of each call; none if it is the one plain call.
+    fn list(self, now: f64, states: &[(BodyId, State)]) -> Vec<(f64, Vec<(BodyId, State)>)> {
+        let moved = |time: f64, aside: f64| {
+            let states = states.iter().map(|&(id, state)| {
+                let way = (time - state.time) * state.velocity + aside * DVec3::X;
+                (id, State::new(time, state.position + way, state.velocity))
+            });
+            states.collect()
+        };
+        match self {
+            Self::One => Vec::new(),
+            Self::Steps => [0.75, 0.5, 0.25, 0.0]
+                .map(|back| now - back * STEP)
+                .map(|time| (time, moved(time, 0.0)))
+                .into(),
+            Self::Again => [1e-3, 0.0].map(|aside| (now, moved(now, aside))).into(),
+            Self::Ahead => vec![(now, moved(now + 0.05, 0.0))],
+        }
+    }
+}
+
 /// A monitor that tracks all bodies.
 pub(crate) struct Told<W> {
     world: W,
@@ -87,6 +125,7 @@ pub(crate) struct Told<W> {
     period: u32,
     /// True if in each frame one half of the bodies is told, in turns.
     is_half: bool,
+    calls: Calls,
     /// Questions after each frame.
     questions: usize,
     frames: u32,
@@ -131,6 +170,36 @@ impl Told<World> {
         Self {
             is_half: true,
             ..Self::new(bodies)
+        }
+    }
+
+    /// Returns a game that tells all bodies four times a frame.
+    pub(crate) fn in_steps(bodies: u32) -> Self {
+        Self::with_calls(bodies, Calls::Steps)
+    }
+
+    /// Returns a game that tells all bodies twice for the same instant.
+    pub(crate) fn again(bodies: u32) -> Self {
+        Self::with_calls(bodies, Calls::Again)
+    }
+
+    /// Returns a game whose states lie ahead of the frame.
+    pub(crate) fn ahead(bodies: u32) -> Self {
+        Self::with_calls(bodies, Calls::Ahead)
+    }
+
+    fn with_calls(bodies: u32, calls: Calls) -> Self {
+        Self {
+            calls,
+            ..Self::new(bodies)
+        }
+    }
+
+    /// Returns a game whose lookahead is a frame.
+    pub(crate) fn near(bodies: u32) -> Self {
+        Self {
+            period: u32::MAX,
+            ..Self::of(World::new(bodies), STEP, &[MARGIN])
         }
     }
 
@@ -195,6 +264,7 @@ impl<W: MovingBodies> Told<W> {
             budget: Budget::Unlimited,
             period: 1,
             is_half: false,
+            calls: Calls::One,
             questions: 0,
             frames: 0,
             events,
@@ -217,8 +287,12 @@ impl<W: MovingBodies> Game for Told<W> {
             (true, true, 0) => &states[..half],
             (true, true, _) => &states[half..],
         };
+        let mut calls = self.calls.list(now, told).into_iter();
         let begin = Instant::now();
-        let tracked = self.monitor.track(now, told.iter().copied());
+        let tracked = match calls.len() {
+            0 => self.monitor.track(now, told.iter().copied()),
+            _ => calls.try_for_each(|(time, states)| self.monitor.track(time, states)),
+        };
         let (monitor, events) = (&mut self.monitor, &mut self.events);
         let advanced = tracked.and_then(|()| monitor.advance_within(now, self.budget, events));
         black_box(&self.events);
