@@ -1,6 +1,6 @@
 //! Counting sort of boxes into rows, and by bins within a row.
 
-use super::copies::{ExtraCells, RecordSource, extra_rows};
+use super::copies::{RecordSource, cell_of_copy, rows_of};
 use super::layout::RowLayout;
 use super::quantizer::{QuantizedBox, Quantizer, axis_part};
 use super::sample::scattered;
@@ -195,8 +195,8 @@ fn pack<const GROUPED: bool>(
 fn further_copies(layout: &RowLayout, rows: &SortedRows) -> u64 {
     let mut copies = 0;
     for &number in &rows.spanning {
-        let extra_rows = extra_rows(&rows.packed[number as usize], layout);
-        copies += u64::from((extra_rows[0] + 1) * (extra_rows[1] + 1) - 1);
+        let [outer_rows, inner_rows] = rows_of(&rows.packed[number as usize], layout);
+        copies += u64::from(outer_rows * inner_rows - 1);
     }
     copies
 }
@@ -216,9 +216,13 @@ fn count(layout: &RowLayout, rows: &mut SortedRows) {
         cell_ends[packed.cell as usize] += 1;
     }
     for &number in spanning.iter() {
-        let mut cells = ExtraCells::of(&packed[number as usize], layout);
-        while let Some(cell) = cells.next() {
-            cell_ends[cell] += 1;
+        let packed = &packed[number as usize];
+        let [outer_rows, inner_rows] = rows_of(packed, layout);
+        for outer in 0..outer_rows {
+            // The first copy of all is counted.
+            for inner in u32::from(outer == 0)..inner_rows {
+                cell_ends[cell_of_copy(packed, [outer, inner], layout)] += 1;
+            }
         }
     }
 }
@@ -250,11 +254,14 @@ fn scatter(layout: &RowLayout, rows: &mut SortedRows, count: usize) {
         *place += 1;
     }
     for &number in spanning.iter() {
-        let mut cells = ExtraCells::of(&packed[number as usize], layout);
-        while let Some(cell) = cells.next() {
-            let place = &mut cell_ends[cell];
-            source[*place as usize] = RecordSource(number | cells.earlier());
-            *place += 1;
+        let packed = &packed[number as usize];
+        let [outer_rows, inner_rows] = rows_of(packed, layout);
+        for outer in 0..outer_rows {
+            for inner in u32::from(outer == 0)..inner_rows {
+                let place = &mut cell_ends[cell_of_copy(packed, [outer, inner], layout)];
+                source[*place as usize] = RecordSource::of_copy(number, [outer, inner]);
+                *place += 1;
+            }
         }
     }
 }
