@@ -239,6 +239,9 @@ impl SliceTrials<'_> {
         const SHORTER: f64 = 8.0;
         let window = slices.effective_window();
         let bodies = self.lifetimes.len();
+        if bodies == 0 {
+            return slices;
+        }
         let present = statistics.present(window);
         let sample = sample(bodies, present, slices.count());
         // Where everybody is near everybody all the time slices save nothing.
