@@ -26,12 +26,6 @@ impl BoxTree {
         }
     }
 
-    /// Returns true if few enough places were searched since all bodies were put in order: less than some bodies in a row
-    /// that search all leaves.
-    fn is_kept_in_order(&self) -> bool {
-        self.disorder <= 8 * self.slot_at.len()
-    }
-
     /// Fetches a leaf.
     #[inline(always)]
     fn fetch(&self, leaf: usize) {
@@ -73,7 +67,6 @@ impl BoxTree {
     /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
     /// belongs.
     pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
-        debug_assert!(self.is_kept_in_order(), "searches for places add up");
         let leaves = self.leaves();
         for distance in 0..leaves.max(1) {
             let before = first.checked_sub(distance);
