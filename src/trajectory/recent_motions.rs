@@ -63,7 +63,8 @@ impl RecentMotions {
         let [before, after] = lists.segments.extra() else {
             return None;
         };
-        let is_whole = recent.before == Outside::Absent || *before == recent.motions[0].segment();
+        // Also where the body is absent before: another rule may be set later.
+        let is_whole = *before == recent.motions[0].segment();
         (is_whole && *after == recent.last().segment()).then_some(recent)
     }
 
