@@ -45,7 +45,9 @@ impl<'a> StraightPieces<'a> {
         placement: impl FnOnce() -> FramePlacement,
     ) -> Option<Self> {
         let (motions, knots) = (plan.straight_motions(), plan.piece_knots());
-        (!motions.is_empty() && knots[0] <= from).then(|| Self {
+        // A piece before the first knot that ends as the slice begins counts with its last point.
+        let is_within = knots[0] < from || (before == 0 && knots[0] <= from);
+        (!motions.is_empty() && is_within).then(|| Self {
             motions,
             knots,
             before,
