@@ -131,6 +131,20 @@ fn what_is_replaced_in_place_is_the_same_plan() {
     );
 }
 
+/// Another rule lets it go on there.
+#[test]
+fn the_motion_before_a_splice_at_the_first_knot_stays() {
+    let old = plan(&[2.0, 3.0], Outside::Absent);
+    let spliced = old.spliced(2.0, &plan(&[4.0], Outside::Coast));
+    let spliced = spliced.and_then(|once| once.spliced(5.0, &plan(&[5.0], Outside::Coast)));
+    let place = |plan: &Trajectory| plan.clone().with_outside(Outside::Coast).position(0.0);
+    let places = spliced.map(|spliced| [&old, &spliced].map(place));
+    let Ok([Some(before), Some(after)]) = places else {
+        unreachable!("it goes on before its first knot")
+    };
+    assert!(before.distance(after) < 1e-12, "{before} {after}");
+}
+
 /// Bodies that are told again for the same instant or an earlier one, and states that lie ahead.
 #[test]
 fn what_is_told_again_or_ahead_is_the_same_plan() {
