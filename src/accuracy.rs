@@ -39,7 +39,7 @@
 /// | candidates | the sweep maps boxes to 16 bits by a monotone rounding, clamped at the ends; the tree compares them as they are | overlap is only ever added; every method is tested against brute force |
 /// | fat lines | f32, a line and a radius for a body in a slice | the radius covers the cubic's largest distance from the line, all roundings, hitbox and half the margin |
 /// | compact cubics | f32, both bodies' cubics over a part of a span | the same roundings, and those of the relative motion, are added to the radius |
-/// | cheap tests | f64 hulls, a separating direction, Bernstein coefficients of the squared distance, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L (Bernstein coefficients that the solver looks at itself: by its own rounding once more) |
+/// | cheap tests | f64 hulls and a separating direction, wrong by at most 100 u L | they reject only what is beyond the threshold by 512 u L |
 /// | clusters | the bounding sphere is tested first | its radius is rounded outward; then the pairs of spheres that bounds cannot rule out are solved, and the results united |
 /// | turning spheres | between cuts, the way of a centre is a cubic, with an error of at most the [orientation's](crate::Orientation) tolerance; where the rotation is unknown (beyond the range of f64's angles; beyond knots at more than 1e6 rad/s, or so far that rounding hides it) the centre is anywhere within its distance | `Exact` adds the error to the radius, `Certified` to the error of the relative cubic; boxes contain every rotation |
 /// | relative cubic | restriction to the span and difference: a bound on its error is computed with it | handed to the solver |

@@ -41,7 +41,6 @@
 //! | tolerance: error, evaluation | `narrow_phase/relative` | `relative::tests::distances_are_within_the_tolerance` |
 //! | instants: step, sum | `narrow_phase/relative` | `relative::tests::instants_are_enclosed` |
 //! | clearance of rejections: scale, underflow | `narrow_phase/relative` | `relative::tests::rejections_keep_clear_of_the_tolerance` |
-//! | squares of rejections | `narrow_phase/rejection` | the clearance: see there |
 //! | differences of coefficients; tolerance of intervals | `narrow_phase/squared_distance`, `profile` | `squared_distance::tests`, `rejection::tests` |
 //! | threshold, radii, half-width | `narrow_phase/certified` | `certified::tests` |
 //! | sums with model errors | `shape`, `narrow_phase`, `narrow_phase/certified` | `rounding::tests::sums_are_rounded_up`, `certified::tests` |
@@ -136,7 +135,7 @@ pub(crate) const UNDERFLOW: f64 = f64::MIN_POSITIVE;
 ///
 /// The exact solver reports distances within its own rounding of the threshold as contact: at most
 /// 70 roundings of the local scale, with an error as large again. A test's own error is at
-/// most 170. 512 covers their sum, so no test rejects a contact that the solver would report.
+/// most 100. 512 covers their sum, so no test rejects a contact that the solver would report.
 pub(crate) const CLEARANCE: f64 = 512.0 * UNIT_ROUNDOFF;
 
 /// Clearance of heights above a plane, relative to the coordinates: far more than all rounding, and the error of the

@@ -4,8 +4,7 @@
 //! solver decides the rest; [`CLEARANCE`](crate::rounding::CLEARANCE) explains why the tests never
 //! reject a contact that the solver would report.
 
-use crate::enclosure::squared_distance;
-use crate::rounding::{norm, scale_to_one};
+use crate::rounding::norm;
 use crate::trajectory::Segment;
 use glam::DVec3;
 
@@ -16,9 +15,7 @@ pub(crate) fn certainly_beyond(points: &[DVec3; 4], threshold: f64) -> bool {
     let [p0, p1, p2, p3] = *points;
     let low = p0.min(p1).min(p2.min(p3));
     let high = p0.max(p1).max(p2.max(p3));
-    beyond_on_an_axis(low, high, threshold)
-        || beyond_in_a_direction(points, threshold)
-        || beyond_by_coefficients(points, low.abs().max(high.abs()), threshold)
+    beyond_on_an_axis(low, high, threshold) || beyond_in_a_direction(points, threshold)
 }
 
 /// Returns true if the boxes of two whole segments are farther apart than `threshold` (m) on some
@@ -54,19 +51,6 @@ fn beyond_in_a_direction(points: &[DVec3; 4], threshold: f64) -> bool {
     // The unit vector is good to a few roundings, which the threshold's clearance covers.
     let direction = sum / length;
     points.iter().all(|point| point.dot(direction) > threshold)
-}
-
-/// Returns true if all Bernstein coefficients of the squared distance exceed the squared threshold.
-fn beyond_by_coefficients(points: &[DVec3; 4], largest: DVec3, threshold: f64) -> bool {
-    let power = scale_to_one(largest.max_element());
-    let coefficients = squared_distance(&points.map(|point| point * power));
-    let least = coefficients.iter().copied().fold(f64::INFINITY, f64::min);
-    // Its rounding is the clearance's. With vi = bi(s) hi, bi the Bernstein weights, the distance at s is
-    // |v0 + v1 + v2 + v3|, and the sum P of their norms bounds the error of its square: 7 u P². Where no
-    // coefficient is negative, |v0|² and |v3|², |v1|² + 2 v0·v2 and |v2|² + 2 v1·v3 are at most that
-    // square: so P is at most 7 times the distance, which is known to 170 u of itself.
-    let radius = threshold * power;
-    least > radius * radius
 }
 
 #[cfg(test)]
