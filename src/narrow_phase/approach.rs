@@ -11,16 +11,13 @@ use glam::Vec3A;
 /// exceed that of this function a million times: 2^-22 of the coordinates, where f64 rounds 2^-53.
 #[inline]
 pub(crate) fn approaching(a: &FatLine, b: &FatLine, interval: (f64, f64)) -> Option<(f64, f64)> {
-    if lines_apart(a, b) {
-        return None;
-    }
     let passage = Passage::of(a, b);
     (!passage.is_beyond()).then(|| passage.interval(interval))
 }
 
-/// Removes the candidates that their fat lines show to be apart: those for which [`approaching`]
-/// returns `None`. `lines` returns the two fat lines of a candidate, and fetches those of later ones,
-/// given its place.
+/// Removes the candidates whose fat lines stay apart, extended to all times, and those for which [`approaching`]
+/// returns `None`. `lines` returns the two fat lines of a candidate. `fetch` fetches those of later ones, given its
+/// place.
 ///
 /// The processor cannot predict which lines are apart. So each test is made of all that are left, without a
 /// branch, and the tests of several candidates overlap.
@@ -252,7 +249,7 @@ mod tests {
                 .collect();
             let is_kept = |&number: &usize| {
                 let [a, b] = &lines[number];
-                approaching(a, b, SLICE).is_some()
+                !lines_apart(a, b) && approaching(a, b, SLICE).is_some()
             };
             let expected: Vec<usize> = (0..count).filter(is_kept).collect();
             let mut numbers: Vec<usize> = (0..count).collect();
