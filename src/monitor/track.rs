@@ -33,6 +33,8 @@ impl Monitor {
     /// - A state is late if `now` lies before the clock of the last tick. The body then follows it from the instant
     ///   given by the rule at [`replan`](Self::replan): later than `now` if its motion at `now` was forgotten.
     /// - The last state of a body that is named twice counts.
+    /// - Between two ticks it may be called several times, as by an engine that takes several steps. From the fifth call for a
+    ///   body on, and for states more than 6 s ahead of `now`, a call takes ten times as long.
     /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///
     /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
