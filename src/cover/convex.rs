@@ -1,9 +1,9 @@
 //! Convex forms: how deep a point lies in them, and polyhedra around them.
 
-use super::box_tree::BoxTree;
 use super::form::{Round, SolidForm};
 use super::hull::convex_hull;
 use super::nearest_point::{nearest_on_segment, nearest_on_triangle};
+use super::point_tree::PointTree;
 use super::surface::{OrientedPlane, Surface, fan, is_closed};
 use crate::count::as_f64;
 use glam::DVec3;
@@ -45,7 +45,7 @@ fn faces(points: &[DVec3], polygons: &[Vec<usize>], inner: DVec3) -> (Vec<Face>,
     const NO_DEPTH: f64 = 1e-10;
     let farthest = points.iter().map(|point| point.distance(inner));
     let farthest = farthest.fold(0.0, f64::max);
-    let tree = BoxTree::of_points(points.to_vec());
+    let tree = PointTree::of_points(points.to_vec());
     let (mut faces, mut unevenness) = (Vec::new(), 0.0_f64);
     for (number, polygon) in polygons.iter().enumerate() {
         let Some((plane, layer)) = half_space(&tree, polygon) else {
@@ -254,7 +254,7 @@ impl Round {
 /// Returns the half-space behind a polygon of a hull, moved inward until the whole polygon lies
 /// outside; and how far the hull reaches beyond the polygon. No half-space has a polygon without
 /// area.
-fn half_space(tree: &BoxTree<1>, polygon: &[usize]) -> Option<(OrientedPlane, f64)> {
+fn half_space(tree: &PointTree<1>, polygon: &[usize]) -> Option<(OrientedPlane, f64)> {
     let points = &tree.points;
     let first = points[*polygon.first()?];
     let fan = polygon.windows(2).map(|pair| {

@@ -1,7 +1,7 @@
 //! Triangle meshes: the nearest point of the surface, and which side a point is on.
 
-use super::box_tree::BoxTree;
 use super::nearest_point::{nearest_on_segment, nearest_on_triangle};
+use super::point_tree::PointTree;
 use super::surface::{Surface, is_closed};
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(super) struct Mesh {
     /// The last two corners of a triangle are the same where it is a segment, or a point.
-    tree: BoxTree<3>,
+    tree: PointTree<3>,
     /// True if each edge is passed as often one way as the other.
     closed: bool,
 }
@@ -29,7 +29,7 @@ impl Mesh {
         let with_area = triangles.iter().filter(|[_, b, c]| b != c);
         let closed = is_closed(with_area.map(<[usize; 3]>::as_slice));
         Self {
-            tree: BoxTree::new(points, triangles),
+            tree: PointTree::new(points, triangles),
             closed,
         }
     }

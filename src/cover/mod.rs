@@ -57,7 +57,6 @@
 //! within 1e-7 of the diameter. A corner of a share that is outside of its ball is moved into the form. If it
 //! is then outside of all balls, it is the point that is uncovered.
 
-mod box_tree;
 mod cells;
 mod certificate;
 mod closed_form;
@@ -72,6 +71,7 @@ mod nearest;
 mod nearest_point;
 mod needless;
 mod options;
+mod point_tree;
 mod points;
 mod random;
 mod read;

@@ -105,7 +105,7 @@ fn a_step_over_what_is_known_keeps_it() {
     is_as_screened(&monitor, LEVEL);
 }
 
-/// Where the clock passes a slice or more of a lookahead with each tick, kept boxes do not pay: a tick searches from nothing.
+/// A tick searches from nothing where the clock passes a slice or more of the lookahead with each: kept boxes do not pay there.
 #[test]
 fn a_lookahead_of_a_frame_is_searched_from_nothing() {
     const BODIES: u32 = 300;

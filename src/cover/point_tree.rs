@@ -4,15 +4,15 @@ use glam::DVec3;
 
 /// Items of some points each, in a tree of boxes.
 #[derive(Clone, Debug)]
-pub(super) struct BoxTree<const N: usize> {
+pub(super) struct PointTree<const N: usize> {
     pub(super) points: Vec<DVec3>,
     /// Items in the order of the tree's leaves, as numbers of their points.
     pub(super) items: Vec<[usize; N]>,
-    nodes: Vec<BoxNode>,
+    nodes: Vec<PointNode>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct BoxNode {
+struct PointNode {
     low: DVec3,
     high: DVec3,
     /// The items within.
@@ -22,7 +22,7 @@ struct BoxNode {
     after: usize,
 }
 
-impl BoxNode {
+impl PointNode {
     /// Largest number of items of a node that is not divided.
     const LEAF: usize = 4;
 
@@ -31,7 +31,7 @@ impl BoxNode {
     }
 }
 
-impl<const N: usize> BoxTree<N> {
+impl<const N: usize> PointTree<N> {
     pub(super) fn new(points: Vec<DVec3>, mut items: Vec<[usize; N]>) -> Self {
         let mut nodes = Vec::new();
         build(&points, &mut items, 0, &mut nodes);
@@ -103,7 +103,7 @@ impl<const N: usize> BoxTree<N> {
     }
 }
 
-impl BoxTree<1> {
+impl PointTree<1> {
     pub(super) fn of_points(points: Vec<DVec3>) -> Self {
         let items = (0..points.len()).map(|point| [point]).collect();
         Self::new(points, items)
@@ -123,14 +123,14 @@ fn build<const N: usize>(
     points: &[DVec3],
     items: &mut [[usize; N]],
     first: usize,
-    nodes: &mut Vec<BoxNode>,
+    nodes: &mut Vec<PointNode>,
 ) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for &point in items.iter().flatten() {
         (low, high) = (low.min(points[point]), high.max(points[point]));
     }
     let own = nodes.len();
-    let node = BoxNode {
+    let node = PointNode {
         low,
         high,
         first,
@@ -164,7 +164,7 @@ mod tests {
         for count in [0, 1, 8, 9, 100, 3_000] {
             let mut point = || random.point(DVec3::NEG_ONE, DVec3::ONE);
             let points: Vec<DVec3> = (0..count).map(|_| point()).collect();
-            let tree = BoxTree::of_points(points.clone());
+            let tree = PointTree::of_points(points.clone());
             for direction in (0..50).map(|_| point()).chain([DVec3::ZERO, -DVec3::Y]) {
                 let products = points.iter().map(|point| direction.dot(*point));
                 let expected = products.fold(f64::NEG_INFINITY, f64::max);
