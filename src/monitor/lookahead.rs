@@ -8,7 +8,7 @@
 //! change: see [`share_due_ahead`].)
 //!
 //! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
-//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If many bodies have changed, all of
+//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If much is new, all of
 //! the lookahead is, and slices have no boxes until few bodies change. A slice in which too many boxes overlap is, in
 //! shorter slices.
 
@@ -83,7 +83,7 @@ pub(super) struct LookaheadSearch {
     partners: Option<(u64, u64)>,
     /// End of the lookahead when it was last caught up with, s.
     last_end: f64,
-    /// Ticks since many bodies had changed, or most was unknown.
+    /// Ticks since a search from nothing was cheaper, or most was unknown.
     since_unknown: u32,
     pub(super) affordable: AffordableLookahead,
     /// Largest number of spans; with more the scene is too crowded.
@@ -243,15 +243,15 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
-        let have_many_changed = self.have_many_changed(scene, lookahead, lookahead.0 - from);
-        let changed = (self.has_changed(), have_many_changed);
+        let is_from_nothing = self.is_cheaper_from_nothing(scene, lookahead, lookahead.0 - from);
+        let changed = (self.has_changed(), is_from_nothing);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
         let clock_slice = self.start(self.index(lookahead.0));
         self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
-        let mut have_many_changed = Some(have_many_changed);
+        let mut is_from_nothing = Some(is_from_nothing);
         loop {
             self.survivors.clear();
             let mut known = to;
@@ -265,7 +265,7 @@ impl LookaheadSearch {
                 work.stats.narrow_time += begin.elapsed();
             }
             let (compared_until, is_done) =
-                self.search_slices((from, clock_slice, to), have_many_changed.take(), work)?;
+                self.search_slices((from, clock_slice, to), is_from_nothing.take(), work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -290,11 +290,11 @@ impl LookaheadSearch {
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `clock_slice` is the
     /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
     /// which all is up to date, and false if another call is to go on once these survivors are solved.
-    /// `have_many_changed` is not given to that.
+    /// `is_from_nothing` is not given to that.
     fn search_slices(
         &mut self,
         (mut from, clock_slice, to): (f64, f64, f64),
-        have_many_changed: Option<bool>,
+        is_from_nothing: Option<bool>,
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
@@ -308,7 +308,7 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if have_many_changed.is_some_and(|many| self.is_unknown_again(many, needed))
+        if is_from_nothing.is_some_and(|is| self.is_unknown_again(is, needed))
             && !work.meter.may_stop()
         {
             self.screen((from, to), needed, work)?;

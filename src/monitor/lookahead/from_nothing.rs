@@ -58,7 +58,7 @@ impl LookaheadSearch {
     ///
     /// Measured with 10,000 and 100,000 balls, 2 and 10 s ahead, and with plans: a changed body takes as long for a kept slice
     /// as about four bodies take for a slice from nothing, or for a cubic of their plans.
-    pub(super) fn have_many_changed(
+    pub(super) fn is_cheaper_from_nothing(
         &self,
         scene: &Scene,
         (from, to): (f64, f64),
@@ -101,13 +101,13 @@ impl LookaheadSearch {
         self.since_unknown = 0;
     }
 
-    /// Returns true if a lookahead is to be searched from nothing: [many bodies have changed](Self::have_many_changed), or
+    /// Returns true if a lookahead is to be searched from nothing: [it is cheaper](Self::is_cheaper_from_nothing), or
     /// [most is unknown](Self::is_mostly_unknown), and so it was a few ticks before, so that kept boxes would not pay; or so
     /// it was a few ticks before, something has changed, and none of the needed slices has boxes. (All is unknown at the
     /// first tick of a monitor. That tick forms the boxes of slices.)
-    pub(super) fn is_unknown_again(&mut self, have_many_changed: bool, needed: usize) -> bool {
+    pub(super) fn is_unknown_again(&mut self, is_from_nothing: bool, needed: usize) -> bool {
         let is_soon = self.was_unknown();
-        if have_many_changed || self.is_mostly_unknown(needed) {
+        if is_from_nothing || self.is_mostly_unknown(needed) {
             self.note_unknown();
             return is_soon;
         }
