@@ -76,8 +76,9 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// A snapshot from [`snapshot`](Self::snapshot) has no errors. For one that was read from a file:
-    /// [`Error::Snapshot`] if it contradicts itself, and the errors of [`new`](Self::new),
+    /// A snapshot from [`snapshot`](Self::snapshot) has no errors. Exception: [`Error::TooCrowded`] if it knows nearly as
+    /// many spans as the larger of [`MAX_SPANS`](Self::MAX_SPANS) and its [limit](Self::set_max_spans) allow, or more.
+    /// For one that was read from a file: [`Error::Snapshot`] if it contradicts itself, and the errors of [`new`](Self::new),
     /// [`advance`](Self::advance) and the setters.
     pub fn restore(snapshot: Snapshot) -> Result<Self, Error> {
         let Snapshot {
@@ -127,8 +128,8 @@ impl Monitor {
             monitor.search.note_unknown();
         }
         if snapshot.has_reported_all {
-            // All of it has been reported, and there was room for it.
-            monitor.search.max_spans = usize::MAX;
+            // All of it has been reported, and there was room for it: the limit may have been lowered since.
+            monitor.set_max_spans(snapshot.max_spans.max(Self::MAX_SPANS));
             monitor.advance(now, &mut Vec::new())?;
         }
         monitor.revision_threshold = snapshot.revision_threshold;
@@ -146,5 +147,47 @@ impl Monitor {
             monitor.plan_ends.set(slot, f64::INFINITY);
         }
         Ok(monitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use crate::monitor::AlertLevel;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::Trajectory;
+
+    /// The snapshot of a monitor of bodies 10 m apart, watched at 1 m, that has caught up at 0 s.
+    fn snapshot(count: u32) -> Snapshot {
+        let mut scene = Scene::new();
+        for place in 0..count {
+            let plan = Trajectory::at_rest([10.0 * f64::from(place), 0.0, 0.0]).unwrap();
+            scene.insert(Body::new(plan)).unwrap();
+        }
+        let mut monitor = Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(1.0)]).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        monitor.snapshot()
+    }
+
+    /// A file in which a margin was changed takes no more memory than there is room for: the 12 million pairs would take
+    /// some 40 GB.
+    #[test]
+    fn a_crowd_in_a_file_is_refused() {
+        let mut changed = snapshot(5_000);
+        assert!(changed.has_reported_all);
+        changed.levels[0] = AlertLevel::at(1e9);
+        changed.max_spans = 1;
+        let refused = Monitor::restore(changed).map(drop);
+        let limit = Monitor::MAX_SPANS;
+        assert!(matches!(refused, Err(Error::TooCrowded { limit: found, .. }) if found == limit));
+        // The limit may have been lowered since.
+        let mut lowered = snapshot(3);
+        lowered.levels[0] = AlertLevel::at(1e9);
+        lowered.max_spans = 1;
+        let restored = Monitor::restore(lowered).unwrap();
+        assert_eq!(restored.conflicts(0).unwrap().len(), 3);
+        assert_eq!(restored.max_spans(), 1);
     }
 }
