@@ -92,6 +92,9 @@ impl Monitor {
         let mut monitor = Self::new(scene, reported, lookahead, &levels)?;
         monitor.check_clock(now)?;
         let contradiction = |problem| Err(Error::Snapshot { problem });
+        if snapshot.has_reported_all && reported < now {
+            return contradiction("its events do not reach up to its clock");
+        }
         let lengths = [snapshot.encounters.len(), snapshot.end_reported.len()];
         if lengths != [levels.len(), monitor.scene.slots()] {
             return contradiction("its lists do not fit its scene");
@@ -189,5 +192,14 @@ mod tests {
         let restored = Monitor::restore(lowered).unwrap();
         assert_eq!(restored.conflicts(0).unwrap().len(), 3);
         assert_eq!(restored.max_spans(), 1);
+    }
+
+    /// What has reported all has reported up to its clock: else what began in between would begin too late, or never.
+    #[test]
+    fn a_clock_that_was_changed_is_refused() {
+        let mut changed = snapshot(2);
+        changed.now = 0.5;
+        let refused = Monitor::restore(changed).map(drop);
+        assert!(matches!(refused, Err(Error::Snapshot { .. })));
     }
 }
