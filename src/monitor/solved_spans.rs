@@ -87,7 +87,10 @@ impl SolvedSpans {
             let before = added;
             let (part, margin) = ((window, after), bodies.grid.margin);
             let solved_until = solve(&a, &b, span, margin, part, |interval, solved| {
-                self.spans.add(key, interval, solved);
+                // A body that turns has as many parts as its turns: one pair alone may fill the memory.
+                if added <= room {
+                    self.spans.add(key, interval, solved);
+                }
                 added += 1;
             });
             if solved_until < f64::INFINITY {
@@ -150,5 +153,45 @@ impl SolvedSpans {
         let solved = self.of(pair).filter(overlaps);
         let approaches = solved.map(|entry| self.spans.at(entry.place).closest(part, clip));
         approaches.reduce(Approach::or_lower)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use crate::hitbox::{Hitbox, Sphere};
+    use crate::monitor::{AlertLevel, Monitor};
+    use crate::orientation::Orientation;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::Trajectory;
+    use glam::{DQuat, DVec3};
+
+    /// One span of a body that turns on the ground for an hour has thousands of parts.
+    #[test]
+    fn a_pair_that_turns_takes_no_more_than_the_room() {
+        const ROOM: usize = 10;
+        const LOOKAHEAD: f64 = 3_600.0;
+        let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+        let ground = Hitbox::half_space(DVec3::Z).unwrap();
+        let spheres = [-1.0, 1.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.5));
+        let spin = Orientation::spin(0.0, DQuat::IDENTITY, 10.0 * DVec3::Y).unwrap();
+        let wheel = rest.clone().with_orientation(spin);
+        let wheel = wheel.with_hitbox(Hitbox::cluster(spheres.to_vec()).unwrap());
+        let mut scene = Scene::new();
+        scene.insert(rest.with_hitbox(ground)).unwrap();
+        scene.insert(wheel).unwrap();
+        let levels = [AlertLevel::at(0.0)];
+        let mut monitor = Monitor::new(scene, 0.0, LOOKAHEAD, &levels).unwrap();
+        monitor.advance(0.0, &mut Vec::new()).unwrap();
+        let search = &monitor.search;
+        assert!(search.solved.len() > 100 * ROOM);
+        let span = [search.solved.spans.entries()[0].key];
+        let bodies = BodyTable::of(&monitor.scene, &search.monitored, &search.grid);
+        let mut solved = SolvedSpans::default();
+        let refused = solved.add(&span, &bodies, (0.0, LOOKAHEAD), ROOM);
+        assert!(refused.is_err());
+        assert_eq!(solved.len(), ROOM + 1);
     }
 }
