@@ -32,11 +32,11 @@ impl From<Scene> for SerialScene {
 }
 
 impl TryFrom<SerialScene> for Scene {
-    type Error = Error;
+    type Error = Box<dyn std::error::Error>;
 
-    fn try_from(parts: SerialScene) -> Result<Self, Error> {
+    fn try_from(parts: SerialScene) -> Result<Self, Self::Error> {
         if u32::try_from(parts.slots.len()).is_err() {
-            return Err(Error::SceneFull);
+            return Err(Error::SceneFull.into());
         }
         let mut scene = Self::default();
         for (generation, body) in parts.slots {
@@ -64,11 +64,7 @@ impl TryFrom<SerialScene> for Scene {
                 .get_mut(place)
                 .is_none_or(|free| std::mem::replace(free, true));
             if taken || !scene.slots.get(place).is_some_and(is_empty) {
-                let id = BodyId {
-                    slot,
-                    generation: 0,
-                };
-                return Err(Error::UnknownBody { id });
+                return Err(format!("slot {slot} is not free, or listed as free twice").into());
             }
         }
         scene.free = parts.free;
@@ -76,5 +72,22 @@ impl TryFrom<SerialScene> for Scene {
             scene.ignore_pair(a, b)?;
         }
         Ok(scene)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The slot is named, and no body, which may be in the scene.
+    #[test]
+    fn slots_that_are_not_free_are_named() {
+        for (slots, free) in [("", "3"), ("[1,null]", "0,0")] {
+            let file = format!(r#"{{"slots":[{slots}],"free":[{free}],"ignored":[]}}"#);
+            let refused = serde_json::from_str::<Scene>(&file).map(drop).err();
+            let refused = refused.map(|error| error.to_string()).unwrap_or_default();
+            let slot = format!("slot {} is not free", &free[..1]);
+            assert!(refused.starts_with(&slot), "{refused}");
+        }
     }
 }
