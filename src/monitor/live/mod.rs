@@ -45,6 +45,8 @@ use worker::Worker;
 ///   hundreds of thousands of pairs stay near each other, which the budget
 ///   [does not count](super::Budget::Time). `shutdown` reads as well: another reader that goes on meanwhile takes
 ///   a part of the last reports. Each of the two has its part in order; only the numbers put them together.
+/// - The thread shares large batches, and the reading of many encounters, with the threads of the global rayon pool
+///   (feature `parallel`). If all of these wait for reports or a shutdown at once, none comes: leave one of them free.
 /// - A panic inside the thread comes back as an error, with the
 ///   monitor as the last whole request left it.
 ///
