@@ -266,7 +266,8 @@ impl Handle {
         self.send(Request::WhatIfBody(Box::new(body), level))
     }
 
-    /// Returns the monitor's clock, s.
+    /// Returns the monitor's clock at its last tick, s. A clock that was [set ahead](Self::skip_to) shows with the next
+    /// tick.
     #[must_use]
     pub fn now(&self) -> f64 {
         f64::from_bits(self.shared.now.load(Ordering::Acquire))
