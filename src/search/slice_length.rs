@@ -421,7 +421,25 @@ fn sample(count: usize, present: f64, slices: u32) -> Vec<usize> {
         .map(|k| {
             // Multiples of the golden ratio.
             let fraction = u64::from((k as u32).wrapping_mul(0x9E37_79B9));
-            k * count / size + ((fraction * stride as u64) >> 32) as usize
+            // The product needs more than the 32 bits of a count on some machines.
+            (k as u64 * count as u64 / size as u64 + ((fraction * stride as u64) >> 32)) as usize
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many bodies that a count times a count has more than 32 bits.
+    #[test]
+    fn samples_are_spread_over_all_bodies() {
+        for count in [1, 100, 10_000, 400_000] {
+            let places = sample(count, 1e3, 100);
+            let stride = count / places.len();
+            assert!(places.windows(2).all(|pair| pair[0] < pair[1]), "{count}");
+            assert!(places[0] < stride && places[places.len() - 1] < count);
+            assert!(places[places.len() - 1] + 2 * stride >= count, "{count}");
+        }
+    }
 }
