@@ -146,6 +146,8 @@ mod query;
 mod readable;
 mod real;
 mod rounding;
+#[cfg(feature = "serde")]
+mod saved_limit;
 mod scene;
 mod screen;
 mod search;

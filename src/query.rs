@@ -34,6 +34,7 @@ pub struct Query {
     accuracy: Accuracy,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) slices: Option<NonZeroU32>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved_limit"))]
     max_spans: usize,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) instructions: InstructionSet,

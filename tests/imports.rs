@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// The rooms of `src`, each a file or a folder with the file of that name: one uses those before it.
 const ROOMS: &str = "
-    simd parallel pool wall_clock readable json_number real rounding blossom count
+    simd parallel pool wall_clock readable json_number saved_limit real rounding blossom count
     id error accuracy conflict conflict_index layers stats window hitbox cover
     trajectory orientation shape knots spans
     polynomial guess enclosure bounds narrow_phase

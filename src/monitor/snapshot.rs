@@ -20,6 +20,7 @@ pub struct Snapshot {
     pub(super) revision_threshold: RevisionThreshold,
     #[cfg_attr(feature = "serde", serde(with = "crate::json_number"))]
     pub(super) history: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved_limit"))]
     pub(super) max_spans: usize,
     pub(super) next_id: u64,
     /// Encounters by level.

@@ -24,7 +24,7 @@ pub(in crate::monitor) enum Record {
     RevisionThreshold(RevisionThreshold),
     /// Time, s.
     History(#[serde(with = "crate::json_number")] f64),
-    MaxSpans(usize),
+    MaxSpans(#[serde(with = "crate::saved_limit")] usize),
     SkipTo(f64),
     Tick {
         now: f64,
