@@ -33,10 +33,18 @@ impl InstructionSet {
     pub const PORTABLE: Self = Self(Set::Portable);
 
     /// Returns the fastest set of this processor, determined once.
+    ///
+    /// The environment variable `NEARMISS_INSTRUCTIONS` can name a slower one of [`available`](Self::available), to compare
+    /// them. Other names are ignored.
     #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
-        *BEST.get_or_init(|| Self::available().pop().unwrap_or(Self::PORTABLE))
+        *BEST.get_or_init(|| {
+            let available = Self::available();
+            let name = std::env::var("NEARMISS_INSTRUCTIONS").unwrap_or_default();
+            let named = available.iter().find(|set| set.name() == name);
+            *named.or(available.last()).unwrap_or(&Self::PORTABLE)
+        })
     }
 
     /// Returns the sets of this processor, from the slowest to the fastest.
