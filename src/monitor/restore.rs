@@ -76,8 +76,9 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// A snapshot from [`snapshot`](Self::snapshot) has no errors. Exception: [`Error::TooCrowded`] if it knows nearly as
-    /// many spans as the larger of [`MAX_SPANS`](Self::MAX_SPANS) and its [limit](Self::set_max_spans) allow, or more.
+    /// A snapshot from [`snapshot`](Self::snapshot) has no errors. Exception: [`Error::TooCrowded`] if the
+    /// [limit](Self::set_max_spans) was lowered, and it knows twice as many spans as the larger of that limit and
+    /// [`MAX_SPANS`](Self::MAX_SPANS).
     /// For one that was read from a file: [`Error::Snapshot`] if it contradicts itself, and the errors of [`new`](Self::new),
     /// [`advance`](Self::advance) and the setters.
     pub fn restore(snapshot: Snapshot) -> Result<Self, Error> {
@@ -131,8 +132,9 @@ impl Monitor {
             monitor.search.note_unknown();
         }
         if snapshot.has_reported_all {
-            // All of it has been reported, and there was room for it: the limit may have been lowered since.
-            monitor.set_max_spans(snapshot.max_spans.max(Self::MAX_SPANS));
+            // All of it has been reported, and there was room for it. Searched anew, it may have some more spans; and the limit
+            // may have been lowered since.
+            monitor.set_max_spans(snapshot.max_spans.max(Self::MAX_SPANS).saturating_mul(2));
             monitor.advance(now, &mut Vec::new())?;
         }
         monitor.revision_threshold = snapshot.revision_threshold;
@@ -183,7 +185,7 @@ mod tests {
         changed.levels[0] = AlertLevel::at(1e9);
         changed.max_spans = 1;
         let refused = Monitor::restore(changed).map(drop);
-        let limit = Monitor::MAX_SPANS;
+        let limit = 2 * Monitor::MAX_SPANS;
         assert!(matches!(refused, Err(Error::TooCrowded { limit: found, .. }) if found == limit));
         // The limit may have been lowered since.
         let mut lowered = snapshot(3);
