@@ -43,7 +43,8 @@ impl<'m> PreparedBodies<'m> {
         let lifetimes = &mut memory.lifetimes;
         let (monitored, count) = (table.monitored, table.monitored.len());
         if threads > 1 && count > 2 * CHUNK {
-            let lists = lifetimes.room(count).chunks_mut(CHUNK);
+            lifetimes.resize(count, (0.0, 0.0));
+            let lists = lifetimes.chunks_mut(CHUNK);
             let chunks = lists.map(|lives| (lives, SceneStatistics::default()));
             let mut chunks: Vec<_> = chunks.collect();
             parallel::for_each(&mut chunks, |number, (lives, statistics)| {
@@ -58,7 +59,8 @@ impl<'m> PreparedBodies<'m> {
                 statistics.segments += chunk.segments;
             }
         } else {
-            lifetimes.fill(monitored.present(0..count).map(|(life, cubics)| {
+            lifetimes.clear();
+            lifetimes.extend(monitored.present(0..count).map(|(life, cubics)| {
                 statistics.add(life, window, (0.0, cubics));
                 life
             }));

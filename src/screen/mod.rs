@@ -266,7 +266,7 @@ impl PreparedScene<'_> {
             .cheapest(slices, (statistics, filter), sources)
     }
 
-    const fn trials(&self) -> SliceTrials<'_> {
+    fn trials(&self) -> SliceTrials<'_> {
         SliceTrials {
             lifetimes: &self.lifetimes,
             frame: &self.frame,

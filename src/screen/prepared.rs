@@ -17,7 +17,7 @@ use crate::query::Query;
 use crate::rounding::exact_interval;
 use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
-    Bodies, BoxedBodies, Lifetimes, Limits, Pace, SearchScratch, SlicesToForm, SourcesInPlace,
+    Bodies, BoxedBodies, Limits, Pace, SearchScratch, SlicesToForm, SourcesInPlace,
 };
 use crate::simd::prefetch;
 use crate::trajectory::Extension;
@@ -31,7 +31,8 @@ pub(super) type SourceList<'a> = Vec<CubicSource<'a, CompactCubic>>;
 pub(super) struct PreparedScene<'a> {
     pub(super) ids: Vec<BodyId>,
     pub(super) entries: Vec<&'a SceneEntry>,
-    pub(super) lifetimes: Lifetimes,
+    /// First and last instant of each body, s.
+    pub(super) lifetimes: Vec<(f64, f64)>,
     /// The pace of slices.
     pub(super) pace: Pace,
     /// Extensions beyond the knots in the window, by ascending place.
@@ -80,7 +81,7 @@ impl<'a> PreparedScene<'a> {
         let mut prepared = Self {
             ids,
             entries,
-            lifetimes: Lifetimes::default(),
+            lifetimes: Vec::new(),
             pace: Pace::EVEN,
             extensions,
             asked,
@@ -101,7 +102,7 @@ impl<'a> PreparedScene<'a> {
                 let lives = std::mem::take(&mut prepared.survey.lives);
                 let body_time = prepared.survey.statistics.body_time;
                 prepared.pace = Pace::of(&lives, prepared.searched(), body_time);
-                prepared.lifetimes = Lifetimes::of(lives);
+                prepared.lifetimes = lives;
             }
             None => {
                 prepared.ids.clear();

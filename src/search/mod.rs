@@ -30,7 +30,6 @@ pub(crate) use body_walk::MAX_SLICES;
 pub(crate) use form::SliceBounds;
 pub(crate) use form::{FormBounds, SliceBlock};
 pub(crate) use form_slices::{FormInPlace, SlicesToForm, SourcesInPlace};
-pub(crate) use lifetimes::Lifetimes;
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use pace::Pace;
 pub(crate) use refine::{CandidateRefiner, RefineContext};

@@ -1,6 +1,6 @@
 //! Buffers that one screening leaves to the next.
 
-use super::{CandidateRefiner, Lifetimes, SliceBlock, SpanSorter};
+use super::{CandidateRefiner, SliceBlock, SpanSorter};
 use crate::bounds::{CompactCubic, CubicSource};
 use crate::broad_phase::{Candidate, Methods};
 use crate::spans::SpanKey;
@@ -13,8 +13,8 @@ use crate::spans::SpanKey;
 pub(crate) struct SearchScratch {
     /// Memory of the box sources of a screening's bodies: see [`recycled`].
     pub(crate) sources: Vec<CubicSource<'static, CompactCubic>>,
-    /// Lifetimes of a monitor's bodies.
-    pub(crate) lifetimes: Lifetimes,
+    /// First and last instant of each of a monitor's bodies, s.
+    pub(crate) lifetimes: Vec<(f64, f64)>,
     pub(crate) methods: Methods,
     /// Numbers of the bodies that exist in the block.
     pub(crate) present: Vec<u32>,

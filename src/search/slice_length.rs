@@ -7,7 +7,8 @@
 //! tried in turn.
 
 use super::by_place::ByPlace;
-use super::{FormBounds, Lifetimes, Limits, SceneStatistics, SearchScratch, TimeSlices};
+use super::lifetimes::list_present;
+use super::{FormBounds, Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
 use crate::broad_phase::{CandidateLimit, Groups, Method, PairFilter};
 use crate::count::short;
@@ -212,8 +213,8 @@ impl PairFilter for ByGroups<'_> {
 /// Bodies, of which a sample is put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
-    /// Lifetimes of all bodies.
-    pub(crate) lifetimes: &'a Lifetimes,
+    /// First and last instant of each body, s.
+    pub(crate) lifetimes: &'a [(f64, f64)],
     pub(crate) frame: &'a MovingFrame,
     pub(crate) limits: Limits,
     pub(crate) instructions: InstructionSet,
@@ -252,7 +253,7 @@ impl SliceTrials<'_> {
             return slices;
         }
         let sampled = sources(&sample);
-        let lifetimes = self.lifetimes.of_some(&sample);
+        let lifetimes: Vec<_> = sample.iter().map(|&place| self.lifetimes[place]).collect();
         let whole = bodies as f64 / sample.len() as f64;
         let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
         // Pairs that are left out after their boxes have met cost nearly as much as candidates.
@@ -320,7 +321,7 @@ impl SliceTrials<'_> {
     /// Returns the counts in a few slices of one length, scaled from the sample to all bodies.
     fn trial<C: BoundingCubic>(
         &self,
-        lifetimes: &Lifetimes,
+        lifetimes: &[(f64, f64)],
         (sources, filter): (&[CubicSource<'_, C>], &ByGroups<'_>),
         slices: &TimeSlices<'_>,
         whole: f64,
@@ -342,7 +343,7 @@ impl SliceTrials<'_> {
         for number in 0..tried_slices {
             let share = (f64::from(number) + 0.5) / f64::from(tried_slices);
             let first = slices.number_at(share);
-            lifetimes.list(slices.interval(first), present);
+            list_present(lifetimes, slices.interval(first), present);
             slices.ends(first..first + 1, ends);
             self.instructions.run(FormBounds {
                 block: &mut *tried,

@@ -5,9 +5,9 @@ use super::box_sizes::BoxSizes;
 use super::by_place::ByPlace;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
+use super::lifetimes::list_present;
 use super::{
-    BoxedBodies, Lifetimes, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch,
-    TimeSlices,
+    BoxedBodies, LimitExceeded, Limits, RefineContext, SceneStatistics, SearchScratch, TimeSlices,
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter};
@@ -26,7 +26,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 #[derive(Debug)]
 pub(crate) struct WindowSearch<'a, B> {
     pub(crate) bodies: B,
-    pub(crate) lifetimes: &'a Lifetimes,
+    /// First and last instant of each body, s.
+    pub(crate) lifetimes: &'a [(f64, f64)],
     pub(crate) frame: &'a MovingFrame,
     pub(crate) window: Window,
     pub(crate) margin: f64,
@@ -115,8 +116,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let begin = Instant::now();
         let mut ends = std::mem::take(&mut scratch.ends);
         slices.ends(range.clone(), &mut ends);
-        self.lifetimes
-            .list((ends[0], ends[ends.len() - 1]), &mut scratch.present);
+        let interval = (ends[0], ends[ends.len() - 1]);
+        list_present(self.lifetimes, interval, &mut scratch.present);
         // Taken out meanwhile, so that the rest can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
         // Blocks are shared by threads where there are several.
@@ -236,7 +237,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let ends = slice
             .bodies
             .iter()
-            .map(|&body| self.lifetimes.lives()[body as usize]);
+            .map(|&body| self.lifetimes[body as usize]);
         let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |hull, (first, last)| {
             (hull.0.min(first), hull.1.max(last))
         });
