@@ -98,33 +98,19 @@ impl Interval {
     pub(super) fn half(&self, number: usize) -> Self {
         let middle = 0.5 * (self.ends.0 + self.ends.1);
         let ends = [(self.ends.0, middle), (middle, self.ends.1)];
+        let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
         let [a, b] = &self.rotations;
         Self {
             ends: ends[number],
-            base: self.base_of_half(number),
+            base: if number == 0 {
+                restrict(&self.base, |p, _| p, mean)
+            } else {
+                restrict(&self.base, mean, |_, q| q)
+            },
             rotations: [
                 a.as_ref().map(|rotation| rotation.half(number)),
                 b.as_ref().map(|rotation| rotation.half(number)),
             ],
-        }
-    }
-
-    fn base_of_half(&self, number: usize) -> [DVec3; 4] {
-        let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
-        if number == 0 {
-            restrict(&self.base, |p, _| p, mean)
-        } else {
-            restrict(&self.base, mean, |_, q| q)
-        }
-    }
-
-    /// Returns the numbers of both halves, that of the one in which the bodies are nearer first.
-    pub(super) fn nearer_first(&self) -> [usize; 2] {
-        let square = |half: usize| four_means(&self.base_of_half(half)).length_squared();
-        if square(1) < square(0) {
-            [1, 0]
-        } else {
-            [0, 1]
         }
     }
 

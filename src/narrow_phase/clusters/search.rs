@@ -208,7 +208,7 @@ impl Search<'_, '_> {
                 is_crowded = near.pairs() > SpheresOverPart::CROWDED;
             }
             if is_halved {
-                for number in interval.nearer_first() {
+                for number in [0, 1] {
                     next.listed.clone_from(&near.listed);
                     self.search_over(&interval.half(number), most, (next, deeper));
                 }
