@@ -18,8 +18,8 @@
 //! The plain solver gives the reported numbers; those outside the enclosures because of its
 //! rounding are moved into them.
 
-use super::clusters::{ClusterPair, ProvenContact};
-use super::contact::{ClosestSearch, each_for_nearest, lone_pair};
+use super::clusters::ProvenContact;
+use super::contact::{ClosestSearch, each_for_contacts, each_for_nearest};
 use super::profile::DistanceProfile;
 use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::{BodyView, contact_radius, widened};
@@ -128,13 +128,10 @@ pub(crate) fn certified_contacts(
     let farthest = 2.0 * band.error;
     workspace.clear();
     for span in spans {
-        if let Some(pair) = lone_pair(a, b, span) {
-            workspace.solve(&pair, span, &band, window);
-            continue;
-        }
-        let clusters = ClusterPair::of(a, b, span, Accuracy::Certified);
-        clusters.each_for_contacts(band.outer, window, |pair, part, proven| {
+        let asked = (Accuracy::Certified, band.outer, window);
+        each_for_contacts((a, b), span, asked, |pair, part, proven| {
             let verdicts = workspace.solve(pair, part, &band, window);
+            let Some(proven) = proven else { return };
             // Only what is certain keeps others from being looked at.
             let inside = verdicts.iter().filter(|one| one.side == Verdict::Inside);
             proven.extend(inside.map(|one| ProvenContact {

@@ -151,37 +151,36 @@ pub(crate) fn contacts(
     for span in spans {
         // For lone spheres the caller has run the test that each pair of spheres of clusters still has to pass, or one
         // of hulls that is as strict.
-        if let Some(pair) = lone_pair(a, b, span) {
+        let asked = (Accuracy::Exact, margin, window);
+        each_for_contacts((a, b), span, asked, |pair, part, proven| {
+            let count = found.len();
             let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, span, margin, window, found);
-        } else {
-            contacts_of_many(a, b, span, margin, window, found);
-        }
+            pair.contacts(&profile, part, margin, window, found);
+            if let Some(proven) = proven {
+                proven.extend(found[count..].iter().map(|contact| ProvenContact {
+                    enter: contact.enter,
+                    exit: contact.exit,
+                    separation: contact.closest.separation,
+                }));
+            }
+        });
     }
     join(found, first);
 }
 
-/// Appends the contacts of clusters over a span.
-#[inline(never)]
-fn contacts_of_many(
-    a: &BodyView<'_>,
-    b: &BodyView<'_>,
+/// Solves the pairs of spheres over a span that may begin or end a contact within a margin (m) and a window (s), or be the
+/// nearest ones in it. `solve` gets the span, or the part of it that was solved. If others depend on it, `solve` appends
+/// what it proves to an empty list.
+pub(super) fn each_for_contacts(
+    (a, b): (&BodyView<'_>, &BodyView<'_>),
     span: Span,
-    margin: f64,
-    window: (f64, f64),
-    found: &mut Vec<Contact>,
+    (accuracy, margin, window): (Accuracy, f64, (f64, f64)),
+    mut solve: impl FnMut(&SpherePair, Span, Option<&mut Vec<ProvenContact>>),
 ) {
-    let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
-    clusters.each_for_contacts(margin, window, |pair, part, proven| {
-        let count = found.len();
-        let profile = DistanceProfile::of(&pair.cubic);
-        pair.contacts(&profile, part, margin, window, found);
-        proven.extend(found[count..].iter().map(|contact| ProvenContact {
-            enter: contact.enter,
-            exit: contact.exit,
-            separation: contact.closest.separation,
-        }));
-    });
+    match lone_pair(a, b, span) {
+        Some(pair) => solve(&pair, span, None),
+        None => ClusterPair::of(a, b, span, accuracy).each_for_contacts(margin, window, solve),
+    }
 }
 
 /// Appends the contacts from spans of one pair that were solved at this margin or a larger one. The

@@ -162,20 +162,18 @@ impl<'a> ClusterPair<'a> {
     }
 
     /// Solves the pairs of spheres that may begin or end a contact within `margin` in `window`, or be the nearest ones in it.
-    /// `solve` gets the part of the span as well, and appends the pair's contacts to an empty list.
+    /// `solve` gets the part of the span as well, and appends the pair's contacts to an empty list if others depend on them.
     pub(super) fn each_for_contacts(
         &self,
         margin: f64,
         window: (f64, f64),
-        mut solve: impl FnMut(&SpherePair, Span, &mut Vec<ProvenContact>),
+        mut solve: impl FnMut(&SpherePair, Span, Option<&mut Vec<ProvenContact>>),
     ) {
-        let mut contacts = Vec::new();
         if let Some(over_plane) = self.over_plane() {
-            return over_plane.each_near(margin, window, f64::NEG_INFINITY, |pair, part| {
-                contacts.clear();
-                solve(pair, part, &mut contacts);
-            });
+            let solve = |pair: &SpherePair, part| solve(pair, part, None);
+            return over_plane.each_near(margin, window, f64::NEG_INFINITY, solve);
         }
+        let mut contacts = Vec::new();
         self.each_part_near(
             margin,
             (window, f64::NEG_INFINITY),
@@ -185,7 +183,7 @@ impl<'a> ClusterPair<'a> {
                     proven,
                     found: &mut contacts,
                     solve: |pair: &SpherePair, found: &mut Vec<ProvenContact>| {
-                        solve(pair, span, found)
+                        solve(pair, span, Some(found));
                     },
                 };
                 part.search(&mut question, scratch);
