@@ -392,8 +392,7 @@ impl MergedConflict<'_> {
         for index in once(nearest).chain(others) {
             let summary = &self.summaries[index];
             let UncertainPair { span, pair, .. } = &self.members[summary.member];
-            let near = least.near();
-            if near < f64::INFINITY && pair.is_beyond(a, b, *span, near) {
+            if pair.is_beyond(least.near()) {
                 continue;
             }
             let is_whole = self.is_all_of(summary);

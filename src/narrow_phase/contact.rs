@@ -266,7 +266,7 @@ pub(super) fn each_for_nearest(
 ) {
     match lone_pair(a, b, span) {
         Some(pair) => {
-            if !(least_so_far < f64::INFINITY && pair.is_beyond(a, b, span, least_so_far)) {
+            if !pair.is_beyond(least_so_far) {
                 solve(&pair, span);
             }
         }

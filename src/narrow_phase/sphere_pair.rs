@@ -2,7 +2,7 @@
 
 use super::profile::{DistanceProfile, ProfilePoint};
 use super::rejection::certainly_beyond;
-use super::relative::{RelativeCubic, local_scale, rejection_threshold};
+use super::relative::RelativeCubic;
 use super::{BodyView, contact_radius};
 use crate::enclosure::UncertainCubic;
 use crate::rounding::CLEARANCE;
@@ -163,25 +163,12 @@ impl SpherePair {
         }
     }
 
-    /// Returns true if cheap tests show that the separation stays above `margin` in the span.
-    pub(super) fn is_beyond(
-        &self,
-        a: &BodyView<'_>,
-        b: &BodyView<'_>,
-        span: Span,
-        margin: f64,
-    ) -> bool {
-        let radius = self.radius(margin);
+    /// Returns true if cheap tests show that the separation stays above `margin`, which may be infinite, in the span.
+    pub(super) fn is_beyond(&self, margin: f64) -> bool {
+        let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
+        let radius = self.radius(margin) + self.path_error;
         // Below zero no distance is small enough, whatever the rounding.
-        if self.path_error > 0.0 {
-            let rounding = 2.0 * self.cubic.tolerance() + CLEARANCE * self.cubic.size;
-            let radius = radius + self.path_error;
-            return radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding);
-        }
-        let [segment_a, segment_b] = &a.segments_in(b, span);
-        let offset = a.spheres[self.a as usize].offset - b.spheres[self.b as usize].offset;
-        let scale = local_scale(segment_a, segment_b, (span.start, span.end), offset);
-        radius < 0.0 || certainly_beyond(&self.cubic.points, rejection_threshold(radius, scale))
+        radius < 0.0 || certainly_beyond(&self.cubic.points, radius + rounding)
     }
 }
 
