@@ -75,8 +75,7 @@ mod tests {
     use super::InexactPoints;
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
-    use crate::search::{FormBounds, SliceBlock, SliceBounds};
-    use crate::simd::InstructionSet;
+    use crate::search::{SliceBlock, SliceBounds};
     use crate::trajectory::{DoubleDouble, Outside, Pieces, State, TimeBase, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
@@ -208,13 +207,7 @@ mod tests {
             CubicSource::compact(knots, &own.on(&own_lines), &padding, &frame)
         };
         let mut block = SliceBlock::default();
-        InstructionSet::best().run(FormBounds {
-            frame: &frame.moving(DVec3::ZERO),
-            block: &mut block,
-            sources: &[source],
-            present: &[0],
-            ends,
-        });
+        block.form_one(&frame.moving(DVec3::ZERO), &source, ends);
         each(&frame, &source, &block.slices);
     }
 

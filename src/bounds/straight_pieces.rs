@@ -162,8 +162,7 @@ mod tests {
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::rounding::exact::{Exact, number};
-    use crate::search::{FormBounds, SliceBlock};
-    use crate::simd::InstructionSet;
+    use crate::search::SliceBlock;
     use crate::trajectory::{Segment, State, Trajectory};
     use crate::window::Window;
     use glam::DVec3;
@@ -239,13 +238,7 @@ mod tests {
             // From the fifth on beyond the listed knots, but of old states.
             let ends = [-0.1, 0.0, 0.7, 0.7, 2.0, 6.5, 7.0, 60.0, 70.0];
             let mut block = SliceBlock::default();
-            InstructionSet::best().run(FormBounds {
-                block: &mut block,
-                frame: &moving,
-                sources: &[source],
-                present: &[0],
-                ends: &ends,
-            });
+            block.form_one(&moving, &source, &ends);
             for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
                 let whole = (slice.fat_lines[0], slice.boxes[0].aabb);
                 let parts = parts_by_teleport(&trajectory, &padding, &moving, ends);

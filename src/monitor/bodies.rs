@@ -2,20 +2,17 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
-use crate::bounds::{CubicSource, FatLine, MovingFrame, Padding, StraightPieces};
+use crate::bounds::{CubicSource, FatLine, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
 use crate::count::short;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
-use crate::search::{
-    Bodies, FEW_BOXES, FormBounds, FormInPlace, MAX_SLICES, SliceBlock, SourcesInPlace,
-};
+use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace};
 use crate::simd::InstructionSet;
 use crate::spans::common_part;
 use crate::trajectory::Segment;
 use std::ops::Range;
-use std::slice::from_ref;
 
 /// The bodies of a monitor, by slot.
 #[derive(Clone, Copy, Debug)]
@@ -143,22 +140,6 @@ impl<'m> BodyTable<'m> {
             },
         });
     }
-}
-
-/// Forms the boxes of one body in the first slices of `block`.
-pub(super) fn form(
-    frame: &MovingFrame,
-    source: &CubicSource<'_, Segment>,
-    ends: &[f64],
-    block: &mut SliceBlock,
-) {
-    InstructionSet::best().run(FormBounds {
-        block,
-        frame,
-        sources: from_ref(source),
-        present: &[0],
-        ends,
-    });
 }
 
 /// The boxes and fat lines of bodies that have changed, formed for all slices together: each body's

@@ -7,10 +7,11 @@ use super::body_walk::{
 use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
 use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short};
-use crate::simd::Task;
+use crate::simd::{InstructionSet, Task};
 use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vector;
+use std::slice::from_ref;
 
 /// The bounds of one slice: a box and a fat line for each body that exists in it.
 #[derive(Clone, Debug, Default)]
@@ -159,6 +160,22 @@ impl SliceBlock {
         &mut self.slices[..count]
     }
 
+    /// Forms the boxes and fat lines of one body in some slices, given their ends (s): see [`FormBounds`].
+    pub(crate) fn form_one<C: BoundingCubic>(
+        &mut self,
+        frame: &MovingFrame,
+        source: &CubicSource<'_, C>,
+        ends: &[f64],
+    ) {
+        InstructionSet::best().run(FormBounds {
+            block: self,
+            frame,
+            sources: from_ref(source),
+            present: &[0],
+            ends,
+        });
+    }
+
     /// Empties the first slices, and makes room for so many boxes in each.
     pub(super) fn clear(&mut self, count: usize, room: usize) {
         for slice in self.first_slices(count) {
@@ -176,14 +193,14 @@ impl SliceBlock {
 }
 
 /// Forms the boxes and fat lines of some slices (at most [`MAX_SLICES`]).
-pub(crate) struct FormBounds<'a, C> {
-    pub(crate) block: &'a mut SliceBlock,
-    pub(crate) frame: &'a MovingFrame,
-    pub(crate) sources: &'a [CubicSource<'a, C>],
+pub(super) struct FormBounds<'a, C> {
+    pub(super) block: &'a mut SliceBlock,
+    pub(super) frame: &'a MovingFrame,
+    pub(super) sources: &'a [CubicSource<'a, C>],
     /// Numbers of bodies, ascending: includes each body that exists in one of the slices.
-    pub(crate) present: &'a [u32],
+    pub(super) present: &'a [u32],
     /// Ends of the slices, s: one more than there are slices.
-    pub(crate) ends: &'a [f64],
+    pub(super) ends: &'a [f64],
 }
 
 impl<C: BoundingCubic> Task for FormBounds<'_, C> {
@@ -321,7 +338,6 @@ mod tests {
     use crate::hitbox::Hitbox;
     use crate::knots::Knots;
     use crate::search::TimeSlices;
-    use crate::simd::InstructionSet;
     use crate::trajectory::{State, Trajectory};
     use glam::DVec3;
     use rand::rngs::ChaCha8Rng;
@@ -383,13 +399,7 @@ mod tests {
             for first in (0..slices.count()).step_by(8) {
                 let range = first..(first + 8).min(slices.count());
                 slices.ends(range.clone(), &mut ends);
-                InstructionSet::best().run(FormBounds {
-                    block: &mut block,
-                    frame: &frame,
-                    sources: &[source],
-                    present: &[0],
-                    ends: &ends,
-                });
+                block.form_one(&frame, &source, &ends);
                 for (slice, found) in range.zip(&block.slices) {
                     let boxes = &found.boxes;
                     let (from, to) = slices.interval(slice);

@@ -26,9 +26,9 @@ mod window;
 
 pub(crate) use bodies::{Bodies, BoxedBodies};
 pub(crate) use body_walk::MAX_SLICES;
+pub(crate) use form::SliceBlock;
 #[cfg(test)]
 pub(crate) use form::SliceBounds;
-pub(crate) use form::{FormBounds, SliceBlock};
 pub(crate) use form_slices::{FormInPlace, SlicesToForm, SourcesInPlace};
 pub(crate) use limits::{LimitExceeded, Limits};
 pub(crate) use pace::Pace;

@@ -7,8 +7,9 @@
 //! tried in turn.
 
 use super::by_place::ByPlace;
+use super::form::FormBounds;
 use super::lifetimes::list_present;
-use super::{FormBounds, Limits, SceneStatistics, SearchScratch, TimeSlices};
+use super::{Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
 use crate::broad_phase::{CandidateLimit, Groups, Method, PairFilter};
 use crate::count::short;

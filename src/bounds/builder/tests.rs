@@ -7,8 +7,7 @@ use super::*;
 use crate::hitbox::Hitbox;
 use crate::knots::Knots;
 use crate::rounding::exact::{Exact, number};
-use crate::search::{FormBounds, SliceBlock};
-use crate::simd::InstructionSet;
+use crate::search::SliceBlock;
 use crate::trajectory::{State, Trajectory};
 use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
@@ -52,13 +51,8 @@ fn fat_line_in(flight: &Trajectory, frame: &Frame, (ends, velocity): ([f64; 2], 
     let knots = Knots::of(flight.knots());
     let view = compact.on(&cache_lines);
     let mut block = SliceBlock::default();
-    InstructionSet::best().run(FormBounds {
-        block: &mut block,
-        frame: &frame.moving(velocity),
-        sources: &[CubicSource::compact(knots, &view, &padding, frame)],
-        present: &[0],
-        ends: &ends,
-    });
+    let source = CubicSource::compact(knots, &view, &padding, frame);
+    block.form_one(&frame.moving(velocity), &source, &ends);
     block.slices[0].fat_lines[0]
 }
 

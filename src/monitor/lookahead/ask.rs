@@ -1,6 +1,5 @@
 //! Contacts of a plan that no body follows: for [`Monitor::what_if`](crate::Monitor::what_if).
 
-use super::super::bodies::form;
 use super::super::monitored_bodies::MonitoredBody;
 use super::super::slice::NearBody;
 use super::LookaheadSearch;
@@ -104,7 +103,7 @@ impl LookaheadSearch {
         if self.recent.len() > 0 {
             // What slices know of these is out of date, wherever it is.
             let ends = [window.0, window.1];
-            form(&self.grid.frame, &source, &ends, &mut scratch.block);
+            scratch.block.form_one(&self.grid.frame, &source, &ends);
             for own in &scratch.block.slices[0].boxes {
                 self.recent
                     .meeting(&bodies, window, &own.aabb, &mut neighbours);

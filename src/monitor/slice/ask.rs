@@ -2,7 +2,7 @@
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
 use crate::bounds::CubicSource;
-use crate::monitor::bodies::{BodyTable, form};
+use crate::monitor::bodies::BodyTable;
 use crate::narrow_phase::approaching;
 use crate::simd::prefetch;
 use crate::trajectory::Segment;
@@ -80,7 +80,7 @@ impl BoxIndex {
             slots,
             ..
         } = scratch;
-        form(&bodies.grid.frame, source, &[interval.0, interval.1], block);
+        block.form_one(&bodies.grid.frame, source, &[interval.0, interval.1]);
         let own = &block.slices[0];
         slots.clear();
         self.boxes.meeting(&own.boxes, search, |_, slot| {
