@@ -11,7 +11,7 @@ use super::form::FormBounds;
 use super::lifetimes::list_present;
 use super::{Limits, SceneStatistics, SearchScratch, TimeSlices};
 use crate::bounds::{BoundingCubic, CubicSource, MovingFrame};
-use crate::broad_phase::{CandidateLimit, Groups, Method, PairFilter};
+use crate::broad_phase::{CandidateLimit, Method, PairFilter};
 use crate::count::short;
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
@@ -186,31 +186,6 @@ fn cheaper_longer<'p>(
     cheapest
 }
 
-/// A filter of a sample's pairs by groups alone.
-struct ByGroups<'a> {
-    filter: ByPlace<'a>,
-    groups: Groups,
-}
-
-impl PairFilter for ByGroups<'_> {
-    fn admits(&self, a: u32, b: u32) -> bool {
-        let [one, other] = [a, b].map(|place| usize::from(self.filter.group(place)));
-        self.groups.admits(one, other)
-    }
-
-    fn groups(&self) -> Groups {
-        self.groups
-    }
-
-    fn group(&self, place: u32) -> u8 {
-        self.filter.group(place)
-    }
-
-    fn gives_up(&self) -> bool {
-        self.filter.gives_up()
-    }
-}
-
 /// Bodies, of which a sample is put through slices.
 #[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
@@ -257,11 +232,7 @@ impl SliceTrials<'_> {
         let lifetimes: Vec<_> = sample.iter().map(|&place| self.lifetimes[place]).collect();
         let whole = bodies as f64 / sample.len() as f64;
         let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
-        // Pairs that are left out after their boxes have met cost nearly as much as candidates.
-        let filter = &ByGroups {
-            filter: ByPlace::new(&places, filter),
-            groups: filter.groups(),
-        };
+        let filter = &ByPlace::new(&places, filter);
         let attempt = |slices: TimeSlices<'s>| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
             self.trial(&lifetimes, (&sampled, filter), &slices, whole, cubics)
@@ -323,7 +294,7 @@ impl SliceTrials<'_> {
     fn trial<C: BoundingCubic>(
         &self,
         lifetimes: &[(f64, f64)],
-        (sources, filter): (&[CubicSource<'_, C>], &ByGroups<'_>),
+        (sources, filter): (&[CubicSource<'_, C>], &ByPlace<'_>),
         slices: &TimeSlices<'_>,
         whole: f64,
         cubics: f64,
