@@ -3,7 +3,8 @@
 use super::support::{bits, rng, vector};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Hitbox, Layers, Monitor, Query, Scene, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Command, Hitbox, Layers, Monitor, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -48,7 +49,7 @@ fn a_large_body_gives_small_ones_a_partner() {
             .map(|more| ball(&mut rng, now, radius + 1e-5 * f64::from(more)))
             .collect();
         let ids = monitor
-            .apply(more.into_iter().map(nearmiss::Command::Insert))
+            .apply(more.into_iter().map(Command::Insert))
             .unwrap();
         if number % 3 > 0 {
             continue;
@@ -141,4 +142,48 @@ fn boxes_are_kept_while_no_partner_is_there() {
     }
     let are_few = counts[1..].iter().all(|&count| count < 100);
     assert!(counts[0] >= 1_000 && are_few, "{counts:?}");
+}
+
+/// Scenery is compared with nothing: no tick forms a box of it, neither the first one nor those in which the lookahead
+/// reaches another slice.
+#[test]
+fn bodies_without_a_partner_have_no_boxes() {
+    let mut scene = Scene::new();
+    for x in 0..200 {
+        let plan = Trajectory::coasting(State::new(0.0, f64::from(x) * DVec3::X, DVec3::Y));
+        let wall = Body::new(plan.unwrap()).with_layers(Layers::new(1, 2));
+        scene.insert(wall).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(2.0)]).unwrap();
+    for frame in 0..60 {
+        let now = f64::from(frame) / 15.0;
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        assert_eq!(monitor.stats().boxes, 0, "{frame}");
+    }
+}
+
+/// A motion that is replaced where it is may come with layers: they count, and so do the partners that they give.
+#[test]
+fn layers_that_come_with_a_motion_give_partners() {
+    let coasting = |now: f64, x: f64, velocity: DVec3| {
+        Trajectory::coasting(State::new(now, x * DVec3::X, velocity)).unwrap()
+    };
+    let mut scene = Scene::new();
+    let ids = [0.0, 9.0].map(|x| {
+        let body = Body::new(coasting(0.0, x, DVec3::ZERO));
+        scene.insert(body.with_layers(Layers::new(1, 2))).unwrap()
+    });
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)]).unwrap();
+    for now in [1.0, 1.1, 1.2] {
+        let told = coasting(now, 0.0, now * 0.01 * DVec3::Y);
+        monitor.replan(ids[0], now, told).unwrap();
+        assert_eq!(checked_tick(&mut monitor, now, 2.0), 0);
+    }
+    let told = coasting(1.3, 0.0, DVec3::X);
+    let commands = [
+        Command::SetLayers(ids[0], Layers::new(2, 1)),
+        Command::Replan(ids[0], 1.3, told.into()),
+    ];
+    monitor.apply(commands).unwrap();
+    assert_eq!(checked_tick(&mut monitor, 1.3, 2.0), 1);
 }
