@@ -3,7 +3,7 @@
 use super::scenarios::{head_on, kinds, tick, two};
 use super::support::{line, rng, wander, with_every_change};
 use glam::DVec3;
-use nearmiss::{AlertLevel, Body, Budget, Error, Monitor, Query, Scene, State, Trajectory};
+use nearmiss::{AlertLevel, Body, Budget, Error, Monitor, Query, Scene, State, Trajectory, Window};
 use std::time::Duration;
 
 #[test]
@@ -135,4 +135,43 @@ fn a_jump_over_nothing_and_then_a_crowd() {
     let stats = monitor.stats();
     assert!(stats.boxes < 200_000, "{stats:?}");
     assert!(stats.candidates < 300_000, "{stats:?}");
+}
+
+/// A body whose motion is replaced where it is goes on for as long as nothing changes. It was followed far ahead when it was
+/// told last, and its next motion is known for some seconds.
+#[test]
+fn a_motion_that_was_replaced_goes_on_without_end() {
+    for is_tracked in [false, true] {
+        let state =
+            |time: f64, x: f64, speed: f64| State::new(time, x * DVec3::X, speed * DVec3::X);
+        let mut scene = Scene::new();
+        let ids = [0.0, 40.0].map(|x| {
+            let plan = Trajectory::coasting(state(0.0, x, 0.0)).unwrap();
+            scene.insert(Body::new(plan)).unwrap()
+        });
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(2.0)]).unwrap();
+        let mut met = 0;
+        for frame in 0..200 {
+            let now = 0.25 * f64::from(frame);
+            if [1.0, 1.25, 5.25].contains(&now) {
+                let state = state(now, now, 1.0 + 0.001 * now);
+                if is_tracked {
+                    monitor.track(now, [(ids[0], state)]).unwrap();
+                } else {
+                    let plan = Trajectory::coasting(state).unwrap();
+                    monitor.replan(ids[0], now, plan).unwrap();
+                }
+            }
+            tick(&mut monitor, now);
+            let query = Query::new(Window::new(now, now + 2.0).unwrap()).with_margin(2.0);
+            let screened = monitor.scene().screen(&query).unwrap().conflicts;
+            assert_eq!(
+                monitor.conflicts(0).unwrap(),
+                screened,
+                "{is_tracked} {now}"
+            );
+            met += screened.len();
+        }
+        assert!(met > 10, "{met}");
+    }
 }
