@@ -110,3 +110,40 @@ fn changes_without_a_time_count_from_the_last_tick_on() {
         assert_eq!(ended(true, Budget::Work(0)), 1, "{what}");
     }
 }
+
+/// The end of the known time is known: an encounter that was to begin there is withdrawn as soon as its plans change.
+#[test]
+fn an_encounter_at_the_end_of_the_known_time_is_withdrawn_at_once() {
+    let coasting = |x: f64, velocity: DVec3| {
+        Trajectory::coasting(State::new(0.0, x * DVec3::X, velocity)).unwrap()
+    };
+    let mut scene = Scene::new();
+    scene.insert(Body::new(coasting(0.0, DVec3::ZERO))).unwrap();
+    let id = scene.insert(Body::new(coasting(12.0, -DVec3::X))).unwrap();
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[AlertLevel::at(2.0)]).unwrap();
+    let predicted: Vec<Event> = tick(&mut monitor, 0.0);
+    let [
+        Event {
+            kind: EventKind::Predicted(encounter),
+            ..
+        },
+    ] = predicted[..]
+    else {
+        panic!("{predicted:?}")
+    };
+    assert_eq!(encounter.enter, monitor.complete_until());
+    monitor
+        .set_trajectory(id, coasting(99.0, DVec3::X))
+        .unwrap();
+    let withdrawn: Vec<Event> = tick(&mut monitor, 0.0);
+    let [
+        Event {
+            kind: EventKind::Withdrawn(other),
+            ..
+        },
+    ] = withdrawn[..]
+    else {
+        panic!("{withdrawn:?}")
+    };
+    assert_eq!(other.id, encounter.id);
+}
