@@ -156,3 +156,23 @@ fn few_pairs_of_spheres_are_kept_of_coasting_clusters() {
         is_as_screened(&monitor, level);
     }
 }
+
+/// A crowd in the slice after the lookahead is compared ahead of time. It is no reason to refuse a tick before that slice
+/// is needed, when the lookahead reaches a third of itself farther.
+#[test]
+fn a_crowd_beyond_the_lookahead_is_not_refused_yet() {
+    let mut scene = Scene::new();
+    for number in 0..40 {
+        let (sin, cos) = (0.15 * f64::from(number)).sin_cos();
+        let velocity = 100.0 * DVec3::new(cos, sin, 0.02 * f64::from(number));
+        let plan = Trajectory::coasting(State::new(1.5, DVec3::ZERO, velocity)).unwrap();
+        scene.insert(Body::new(plan)).unwrap();
+    }
+    let mut monitor = Monitor::new(scene, 0.0, 1.0, &[AlertLevel::at(0.5)]).unwrap();
+    monitor.set_max_spans(300);
+    for frame in 0..20 {
+        tick(&mut monitor, f64::from(frame) / 60.0);
+    }
+    let refused = monitor.advance(20.0 / 60.0, &mut Vec::new());
+    assert_eq!(exceeded(refused), Some(300));
+}
