@@ -201,3 +201,31 @@ fn a_contact_that_ends_at_a_jump_and_at_a_first_knot_is_seen() {
         assert_eq!(ends, [(0.0, EndReason::Separated)], "{first}");
     }
 }
+
+/// The same at the end of a lookahead that is searched from nothing, since all bodies change in each tick.
+#[test]
+fn searches_from_nothing_see_what_is_told_at_their_end() {
+    let passing = |time: f64| Passing {
+        time,
+        later: 0.3,
+        velocity: -SPEED,
+    };
+    let (scene, [still, id]) = pair(resting(4.0, SHORT));
+    let mut monitor = monitor(scene);
+    for step in 0..32 {
+        let now = NOW + 8.0 * f64::from(step) * ULP;
+        let aside = line(
+            SHORT.0,
+            SHORT.1,
+            1e-9 * f64::from(step) * DVec3::Y,
+            DVec3::ZERO,
+        );
+        monitor.set_trajectory(still, aside).unwrap();
+        let plan = passing(now + LOOKAHEAD).plan(SHORT);
+        monitor.set_trajectory(id, plan).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        let expected = screened(monitor.scene(), now, now + LOOKAHEAD);
+        assert_eq!(expected.len(), 1, "{step}");
+        assert_eq!(monitor.conflicts(0).unwrap(), expected, "{step}");
+    }
+}
