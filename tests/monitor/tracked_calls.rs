@@ -6,7 +6,8 @@ use glam::{DQuat, DVec3};
 #[cfg(feature = "serde")]
 use nearmiss::{AlertLevel, Outside};
 use nearmiss::{
-    Body, BodyId, BodyState, Budget, Error, Monitor, Quantity, Scene, State, Trajectory,
+    Body, BodyId, BodyState, Budget, Error, Monitor, Quantity, Query, Scene, State, Trajectory,
+    Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -427,4 +428,31 @@ fn extreme_states_are_refused_or_followed_alike() {
         }
     }
     assert!(taken > 500 && refused > 20, "{taken} {refused} {failed}");
+}
+
+/// Between two ticks a body is told as often as there is room in place for its motions, and more often: the first of
+/// them that is kept begins at the very clock.
+#[test]
+fn states_that_are_told_many_times_between_two_ticks() {
+    let mut scene = Scene::new();
+    let ids = [0.0, 5.0].map(|x| {
+        let plan = Trajectory::coasting(State::new(0.0, x * DVec3::X, DVec3::ZERO));
+        scene.insert(Body::new(plan.unwrap())).unwrap()
+    });
+    let mut monitor = Monitor::new(scene, 0.0, 10.0, &[LEVELS[0]]).unwrap();
+    let query = |now: f64| Query::new(Window::new(now, now + 10.0).unwrap());
+    for frame in 1..200 {
+        let now = 0.125 * f64::from(frame);
+        let velocity = if frame % 2 == 0 { 0.25 } else { -0.25 };
+        let body = monitor.scene().body(ids[0]).unwrap();
+        let place = body.trajectory.position(now).unwrap();
+        let state = State::new(now, place, velocity * DVec3::X);
+        monitor.track(now, [(ids[0], state)]).unwrap();
+        if frame % 7 == 0 || frame % 13 == 0 {
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            let query = query(now).with_margin(LEVELS[0].margin);
+            let screened = monitor.scene().screen(&query).unwrap();
+            assert_eq!(monitor.conflicts(0).unwrap(), screened.conflicts, "{frame}");
+        }
+    }
 }
