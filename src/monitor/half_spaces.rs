@@ -21,7 +21,8 @@ use std::cell::LazyCell;
 /// The comparison of half-spaces with all other bodies.
 #[derive(Debug, Default)]
 pub(super) struct HalfSpaceSearch {
-    /// Slots of half-spaces that have changed, ascending: they are compared with all bodies that are to be compared.
+    /// Slots of half-spaces that have changed, ascending: they are compared with all bodies that are to be compared. Some
+    /// may be half-spaces no more.
     changed: Vec<u32>,
     /// Instant up to which each body is compared with the other half-spaces, s: it is due again then.
     due: DueTimes,
@@ -61,7 +62,6 @@ impl HalfSpaceSearch {
             self.to_compare.sort_unstable();
             self.to_compare.dedup();
         }
-        self.changed.retain(is_plane);
         self.changed.sort_unstable();
         self.changed.dedup();
         for &slot in changed {
@@ -197,9 +197,9 @@ impl PlaneSearch<'_> {
         }
         let (bodies, interval) = (self.bodies, (since, self.until));
         let body = LazyCell::new(|| bodies.view(slot));
-        // The heights of the half-spaces are known from that instant on.
-        let positions = (since >= self.since).then(|| PositionBox::of(entry, interval));
-        let positions = positions.flatten();
+        // Bodies are due after the end of some lookahead, which is not known before it is compared.
+        debug_assert!(since >= self.since, "heights are known");
+        let positions = PositionBox::of(entry, interval);
         for plane in planes {
             let is_below = |positions| plane.is_below(positions, bodies.grid.margin);
             // As far as it is compared.

@@ -127,7 +127,6 @@ impl Monitor {
         check_revision_threshold(snapshot.revision_threshold)?;
         check_setting("history", snapshot.history)?;
         monitor.now = without_negative_zero(now);
-        monitor.known = reported;
         if snapshot.was_unknown {
             monitor.search.note_unknown();
         }
