@@ -313,11 +313,11 @@ impl Monitor {
                 drop(self.take_out(id)?);
                 continue;
             }
-            if let Some(pending) = change.motion.take() {
+            if let Some((from, motion)) = &change.in_place {
                 if let Some(layers) = change.layers {
                     self.scene.set_layers(id, layers)?;
                 }
-                self.replace_motion(id, (pending.from, &pending.motion))?;
+                self.replace_motion(id, (*from, motion))?;
                 self.search.find_partners(&self.scene, Some(id.slot));
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Changes between ticks: one, or several that take effect together or not at all.
 
 use super::monitored_bodies::MonitoredBody;
-use super::pending_change::{ChangeContext, PendingChange, PendingMotion, Refusal};
+use super::pending_change::{ChangeContext, PendingChange, Refusal};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -166,7 +166,6 @@ impl CommandBatch {
             Command::Remove(id) => self.change_of(scene, id, number)?.is_removed = true,
             Command::SetTrajectory(id, trajectory) => {
                 let change = self.change_of(scene, id, number)?;
-                change.motion_to_splice();
                 change.splice(scene, context)?;
                 change.own_knots = trajectory.knots().len();
                 change.trajectory = Some(trajectory);
@@ -194,18 +193,7 @@ impl CommandBatch {
             }
             Command::Replan(id, from, plan) => {
                 let change = self.change_of(scene, id, number)?;
-                let is_first = change.trajectory.is_none() && change.motion.is_none();
-                match plan.trajectory.straight() {
-                    Some((&motion, _)) if is_first => {
-                        let command = number;
-                        change.motion = Some(PendingMotion {
-                            from,
-                            motion,
-                            command,
-                        });
-                    }
-                    _ => change.follow(scene, Some(from), plan.trajectory, context)?,
-                }
+                change.follow(scene, Some(from), plan.trajectory, context)?;
                 if let Some(next) = &plan.orientation {
                     change.orient(scene, (from, next), context)?;
                 }

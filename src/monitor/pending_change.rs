@@ -75,8 +75,8 @@ pub(super) struct PendingChange {
     pub(super) id: BodyId,
     pub(super) is_removed: bool,
     pub(super) trajectory: Option<Trajectory>,
-    /// A straight motion that replaces the body's own in place; nothing else changes.
-    pub(super) motion: Option<PendingMotion>,
+    /// A straight motion that replaces the body's own in place, from an instant (s) on; only layers may change with it.
+    pub(super) in_place: Option<(f64, StraightMotion)>,
     /// Number of knots of the last plan as it was given: before these come those of the motion so far.
     pub(super) own_knots: usize,
     /// Set while the trajectory is a bare plan, which the past motion must precede.
@@ -97,14 +97,6 @@ pub(super) struct PendingChange {
     pub(super) is_in_vain: bool,
 }
 
-/// A straight motion, from an instant (s) on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PendingMotion {
-    pub(super) from: f64,
-    pub(super) motion: StraightMotion,
-    pub(super) command: usize,
-}
-
 /// Instant from which a plan is followed (none: the last knot of the one before), s.
 #[derive(Clone, Copy, Debug)]
 struct PendingSplice {
@@ -121,7 +113,7 @@ impl PendingChange {
             id,
             is_removed: false,
             trajectory: None,
-            motion: None,
+            in_place: None,
             own_knots: usize::MAX,
             splice: None,
             late: None,
@@ -151,7 +143,6 @@ impl PendingChange {
         plan: Trajectory,
         context: &ChangeContext<'_>,
     ) -> Result<(), Refusal> {
-        self.motion_to_splice();
         self.splice(scene, context)?;
         self.own_knots = plan.knots().len();
         let old = self.trajectory.replace(plan);
@@ -171,7 +162,6 @@ impl PendingChange {
         scene: &Scene,
         context: &ChangeContext<'_>,
     ) -> Result<f64, Refusal> {
-        self.motion_to_splice();
         self.splice(scene, context)?;
         let own = &self.body(scene)?.trajectory;
         let plan = self.trajectory.as_ref().unwrap_or(own);
@@ -193,38 +183,25 @@ impl PendingChange {
         Ok(())
     }
 
-    /// Converts a pending motion to a plan, since more than the motion changes.
-    pub(super) fn motion_to_splice(&mut self) {
-        if let Some(pending) = self.motion.take() {
-            self.own_knots = 1;
-            self.trajectory = Some(Trajectory::of_straight(pending.motion));
-            self.splice = Some(PendingSplice {
-                from: Some(pending.from),
-                command: pending.command,
-            });
-        }
-    }
-
-    /// Returns true if the body's motion can be replaced in place; notes from when on (s).
-    fn can_replace(&mut self, body: &Body, context: &ChangeContext<'_>) -> Result<bool, Refusal> {
-        let Some(pending) = &mut self.motion else {
-            return Ok(false);
+    /// Notes from when on a pending straight motion replaces the body's own in place, if it can.
+    fn find_in_place(&mut self, body: &Body, context: &ChangeContext<'_>) -> Result<(), Refusal> {
+        let (Some(plan), Some(splice)) = (&self.trajectory, self.splice) else {
+            return Ok(());
         };
-        let (old, plan) = (&body.trajectory, Trajectory::of_straight(pending.motion));
-        let from = context.takes_effect_at(old, &plan, pending.from);
-        let from = from.map_err(|error| {
-            let error = error.in_body(body.tag).with_id(self.id);
-            (pending.command, error)
-        })?;
+        let (Some((motion, _)), Some(asked)) = (plan.straight(), splice.from) else {
+            return Ok(());
+        };
+        let from = context.takes_effect_at(&body.trajectory, plan, asked);
+        let from =
+            from.map_err(|error| (splice.command, error.in_body(body.tag).with_id(self.id)))?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
         let times = (from, context.forget_before);
-        let can = keeps_shape && old.can_replace(times, &pending.motion, context.window);
-        if can {
-            self.late = Some(from).filter(|from| pending.from < *from);
-            pending.from = from;
+        if keeps_shape && body.trajectory.can_replace(times, motion, context.window) {
+            self.late = Some(from).filter(|from| asked < *from);
+            self.in_place = Some((from, *motion));
         }
-        Ok(can)
+        Ok(())
     }
 
     /// Joins the body's own trajectory and the plan, if that is pending.
@@ -285,13 +262,14 @@ impl PendingChange {
         context: &ChangeContext<'_>,
     ) -> Result<(), Refusal> {
         let body = self.body(scene)?;
-        if !self.is_removed && self.can_replace(body, context)? {
-            return Ok(());
+        if !self.is_removed {
+            self.find_in_place(body, context)?;
+            if self.in_place.is_some() {
+                return Ok(());
+            }
+            // A plan that is followed from an instant on may be late, which is told.
+            self.is_in_vain = self.splice.is_none() && self.is_as(body);
         }
-        // A plan that is followed from an instant on may be late, which is told.
-        let is_set = self.motion.is_none() && self.splice.is_none();
-        self.is_in_vain = !self.is_removed && is_set && self.is_as(body);
-        self.motion_to_splice();
         self.splice(scene, context)?;
         if !self.is_removed && !self.is_in_vain {
             let trajectory = self.trajectory.as_ref().unwrap_or(&body.trajectory);
