@@ -8,7 +8,7 @@
 //! change: see [`share_due_ahead`].)
 //!
 //! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
-//! jumped far, the time that it passed over is [searched](JumpSearch) so, once. If much is new, all of
+//! jumped far, the time that it passed over is [searched](LookaheadSearch::search_jump) so, once. If much is new, all of
 //! the lookahead is, and slices have no boxes until few bodies change. A slice in which too many boxes overlap is, in
 //! shorter slices.
 
@@ -16,6 +16,7 @@ mod affordable;
 mod ahead;
 mod ask;
 mod from_nothing;
+mod jump;
 mod query_index;
 mod time_grid;
 
@@ -23,7 +24,6 @@ use super::bodies::{BodyTable, ChangedBounds};
 use super::budget::TickWork;
 use super::grid::Grid;
 use super::half_spaces::HalfSpaceSearch;
-use super::jump::JumpSearch;
 use super::monitored_bodies::{MonitoredBodies, MonitoredBody};
 use super::recent_changes::RecentChanges;
 use super::slice::{LookaheadSlice, SliceScratch, SliceTask};
@@ -44,6 +44,7 @@ use crate::wall_clock::Instant;
 use crate::window::Window;
 use affordable::{AffordableLookahead, FEW_TICKS};
 use ahead::share_due_ahead;
+use jump::JumpPace;
 use query_index::QueryIndexes;
 use std::collections::VecDeque;
 use std::iter::once;
@@ -61,7 +62,7 @@ pub(super) struct LookaheadSearch {
     /// Unused slices: their memory is reused.
     unused: Vec<LookaheadSlice>,
     /// None if nothing is left to search.
-    jump: Option<JumpSearch>,
+    jump: Option<JumpPace>,
     pub(super) half_spaces: HalfSpaceSearch,
     query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.
@@ -298,7 +299,7 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
-        if self.jump.is_some() || JumpSearch::is_far(jump, self.grid.length) {
+        if self.is_jump(jump) {
             // Slices before the lookahead are needed no more; those in it are laid out again below.
             self.unused.extend(self.slices.drain(..));
             if let Some(stop) = self.search_jump((from, clock_slice), work)? {

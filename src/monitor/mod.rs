@@ -14,7 +14,6 @@ mod event;
 mod grid;
 mod half_spaces;
 mod interrupt;
-mod jump;
 #[cfg(feature = "live")]
 pub(crate) mod live;
 mod lookahead;

@@ -1,10 +1,10 @@
-//! Searches from nothing: boxes of all bodies are formed for one search, and none is kept. Here are those of the
-//! time that the clock passed over, and of the whole lookahead. (That of one slice is in `slice/refine.rs`.)
+//! Searches from nothing: boxes of all bodies are formed for one search, and none is kept. Here is that of
+//! the whole lookahead. (That of the time that the clock passed over is in `jump.rs`, that of one slice in
+//! `slice/refine.rs`.)
 
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::grid::Grid;
-use super::super::jump::JumpSearch;
 use super::super::prepared::PreparedBodies;
 use super::affordable::FEW_TICKS;
 use super::{LookaheadSearch, LookaheadSlice};
@@ -26,30 +26,6 @@ impl LookaheadSearch {
             spans: self.max_spans.saturating_mul(Self::SURVIVORS),
             ..Limits::of_spans(self.max_spans)
         }
-    }
-
-    /// Searches the time that the clock passed over. Returns the instant at which the search had to stop, s; none if it
-    /// is done.
-    pub(super) fn search_jump(
-        &mut self,
-        (from, to): (f64, f64),
-        work: &mut TickWork<'_>,
-    ) -> Result<Option<f64>, LimitExceeded> {
-        let limits = self.limits();
-        let scene = work.admission.scene;
-        let table = BodyTable::of(scene, &self.monitored, &self.grid);
-        let pool = &self.search_pool;
-        let window = ((from, to), work.meter.threads());
-        let (bodies, _) = PreparedBodies::in_window(table, limits, pool, window);
-        let length = self.grid.length;
-        let jump = self
-            .jump
-            .get_or_insert_with(|| JumpSearch::begin(from, length));
-        let stop = jump.go_on((from, to, length), &bodies, work, &mut self.survivors)?;
-        if stop.is_none() {
-            self.jump = None;
-        }
-        Ok(stop)
     }
 
     /// Returns true if so much is to be compared that a search of a lookahead (first and last instant, s) from nothing takes
