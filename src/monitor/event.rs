@@ -201,24 +201,18 @@ impl EventKind {
     /// Returns the encounter that the event is about, if any.
     #[must_use]
     pub const fn encounter(&self) -> Option<&Encounter> {
-        match self {
-            Self::Predicted(encounter)
-            | Self::Revised(encounter)
-            | Self::Withdrawn(encounter)
-            | Self::Began(encounter)
-            | Self::Ended(encounter, _) => Some(encounter),
-            Self::PlanEnds { .. } => None,
-        }
+        self.parts().2
     }
 
-    fn rank(&self) -> u8 {
+    /// Returns the place of the kind in the order of reports, its name, and the encounter.
+    const fn parts(&self) -> (u8, &'static str, Option<&Encounter>) {
         match self {
-            Self::Predicted(_) => 0,
-            Self::Withdrawn(_) => 1,
-            Self::Began(_) => 2,
-            Self::Revised(_) => 3,
-            Self::Ended(..) => 4,
-            Self::PlanEnds { .. } => 5,
+            Self::Predicted(encounter) => (0, "predicted", Some(encounter)),
+            Self::Withdrawn(encounter) => (1, "withdrawn", Some(encounter)),
+            Self::Began(encounter) => (2, "began", Some(encounter)),
+            Self::Revised(encounter) => (3, "revised", Some(encounter)),
+            Self::Ended(encounter, _) => (4, "ended", Some(encounter)),
+            Self::PlanEnds { .. } => (5, "plan ends", None),
         }
     }
 }
@@ -236,7 +230,7 @@ impl Event {
         };
         self.time
             .total_cmp(&other.time)
-            .then_with(|| self.kind.rank().cmp(&other.kind.rank()))
+            .then_with(|| self.kind.parts().0.cmp(&other.kind.parts().0))
             .then_with(|| place(self).cmp(&place(other)))
     }
 }
@@ -244,21 +238,15 @@ impl Event {
 impl fmt::Display for EventKind {
     /// Formats one line: the kind, and the encounter. `{:.6}` sets the decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (what, encounter) = match self {
-            Self::Predicted(encounter) => ("predicted", encounter),
-            Self::Revised(encounter) => ("revised", encounter),
-            Self::Withdrawn(encounter) => ("withdrawn", encounter),
-            Self::Began(encounter) => ("began", encounter),
-            Self::Ended(encounter, reason) => {
-                write!(f, "ended ({reason}): ")?;
-                return encounter.fmt(f);
-            }
+        let (_, name, encounter) = self.parts();
+        match self {
             &Self::PlanEnds { body, tag } => {
-                return write!(f, "the plan of {} ends", TaggedBody(body, tag));
+                write!(f, "the plan of {} ends", TaggedBody(body, tag))?;
             }
-        };
-        write!(f, "{what}: ")?;
-        encounter.fmt(f)
+            Self::Ended(_, reason) => write!(f, "{name} ({reason}): ")?,
+            _ => write!(f, "{name}: ")?,
+        }
+        encounter.map_or(Ok(()), |encounter| encounter.fmt(f))
     }
 }
 
