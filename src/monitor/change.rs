@@ -3,7 +3,6 @@
 use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
-use super::lookahead::push_once;
 use super::monitored_bodies::MonitoredBody;
 use super::pending_change::ChangeContext;
 #[cfg(feature = "recording")]
@@ -63,24 +62,19 @@ impl Monitor {
         let body = self.scene.remove(id)?;
         self.update_monitored(id, None);
         self.plan_ends.set(id.slot, f64::INFINITY);
-        push_once(&mut self.removed, id.slot);
+        self.removed.insert(id.slot);
         Ok(body)
     }
 
     /// Ends the encounters of all removed bodies in one pass.
     pub(super) fn end_of_removed(&mut self, reported: f64) {
-        if self.removed.is_empty() {
+        if self.removed.slots().is_empty() {
             return;
         }
-        self.removed.sort_unstable();
-        let is_gone = |slot| self.removed.binary_search(&slot).is_ok();
+        let events = &mut self.pending_events;
         for encounters in &mut self.encounters {
-            encounters.end(
-                reported,
-                EndReason::BodyRemoved,
-                is_gone,
-                &mut self.pending_events,
-            );
+            let is_gone = |slot| self.removed.has(slot);
+            encounters.end(reported, EndReason::BodyRemoved, is_gone, events);
         }
         self.removed.clear();
     }

@@ -108,27 +108,13 @@ impl Saved {
         })
     }
 
-    /// Ends or withdraws the encounters of bodies in some slots, ascending, at a time (s).
-    pub(super) fn end_of_removed(&mut self, now: f64, removed: &[u32], events: &mut Vec<Event>) {
-        self.0.retain(|tracked| {
-            let [a, b] = [tracked.encounter.a.slot, tracked.encounter.b.slot];
-            let is_over = [a, b]
-                .iter()
-                .any(|slot| removed.binary_search(slot).is_ok());
-            if is_over {
-                events.push(over_at(tracked, now, EndReason::BodyRemoved));
-            }
-            !is_over
-        });
-    }
-
     pub(super) fn ids(&self) -> impl Iterator<Item = u64> {
         self.0.iter().map(|tracked| tracked.encounter.id.0)
     }
 }
 
 /// The encounters of one alert level.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct EncounterTracker {
     level: usize,
     /// Encounters; of one pair in the order of time.

@@ -46,7 +46,7 @@ use affordable::{AffordableLookahead, FEW_TICKS};
 use ahead::share_due_ahead;
 use jump::JumpPace;
 use query_index::QueryIndexes;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::iter::once;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -75,7 +75,7 @@ pub(super) struct LookaheadSearch {
     /// Boxes of these bodies, for questions between ticks.
     recent: RecentChanges,
     /// Pairs that are ignored since the last catching up.
-    left_out: Vec<SlotPair>,
+    left_out: BTreeSet<SlotPair>,
     /// Boxes of changed bodies in all slices.
     moved: ChangedBounds,
     /// Ends of the slices of the lookahead, s.
@@ -112,7 +112,7 @@ impl LookaheadSearch {
             search_pool: Pool::default(),
             changed: SlotSet::default(),
             recent: RecentChanges::default(),
-            left_out: Vec::new(),
+            left_out: BTreeSet::new(),
             moved: ChangedBounds::default(),
             ends: Vec::new(),
             partners: None,
@@ -181,7 +181,7 @@ impl LookaheadSearch {
 
     /// Forgets what was found of a pair: its bodies ignore each other now.
     pub(super) fn leave_out(&mut self, pair: SlotPair) {
-        push_once(&mut self.left_out, pair);
+        self.left_out.insert(pair);
     }
 
     /// Marks a body as changed: its pairs are searched for again.
@@ -209,13 +209,10 @@ impl LookaheadSearch {
         if !self.has_changed() {
             return;
         }
-        let (changed, left_out) = (&self.changed, &mut self.left_out);
-        left_out.sort_unstable();
-        self.solved.forget(|pair| {
-            let is_left_out = !left_out.is_empty() && left_out.binary_search(&pair).is_ok();
-            changed.has(pair.0) || changed.has(pair.1) || is_left_out
-        });
-        left_out.clear();
+        let (changed, left_out) = (&self.changed, &self.left_out);
+        self.solved
+            .forget(|pair| changed.has(pair.0) || changed.has(pair.1) || left_out.contains(&pair));
+        self.left_out.clear();
         self.recent.reset(&[]);
     }
 
@@ -486,16 +483,5 @@ impl LookaheadSearch {
     pub(super) fn domain(&self, (a, b): (u32, u32)) -> Option<(f64, f64)> {
         let [a, b] = [a, b].map(|slot| self.monitored.domain(slot));
         common_part(a?, b?)
-    }
-}
-
-/// Appends a value to a list that stands for a set. Now and then duplicates are removed, so that the list does not grow
-/// without end.
-pub(super) fn push_once<T: Ord>(list: &mut Vec<T>, value: T) {
-    const MANY: usize = 1024;
-    list.push(value);
-    if list.len() >= MANY && list.len().is_power_of_two() {
-        list.sort_unstable();
-        list.dedup();
     }
 }

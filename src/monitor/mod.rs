@@ -63,6 +63,7 @@ use lookahead::LookaheadSearch;
 use read::LevelCaches;
 #[cfg(feature = "recording")]
 use recording::Record;
+use slot_set::SlotSet;
 use std::sync::Arc;
 use told_motions::ToldMotions;
 
@@ -192,7 +193,7 @@ pub struct Monitor {
     /// Events of removals: the next tick reports them.
     pending_events: Vec<Event>,
     /// Slots of bodies that were removed since the last tick, and whose encounters have not ended yet.
-    removed: Vec<u32>,
+    removed: SlotSet,
     /// Ends of plans that are still to be reported.
     plan_ends: DueTimes,
     stats: Stats,
@@ -266,7 +267,7 @@ impl Monitor {
             revision_threshold: RevisionThreshold::default(),
             next_id: 0,
             pending_events: Vec::new(),
-            removed: Vec::new(),
+            removed: SlotSet::default(),
             plan_ends: DueTimes::default(),
             stats: Stats::default(),
             changed_bodies: 0,
@@ -448,7 +449,7 @@ impl Monitor {
     /// were removed since.
     pub fn encounters(&self) -> impl Iterator<Item = &Encounter> {
         let all = self.encounters.iter().flat_map(EncounterTracker::iter);
-        let is_there = |id| self.removed.is_empty() || self.scene.body(id).is_some();
+        let is_there = |id| self.scene.has(id);
         all.filter(move |encounter| is_there(encounter.a) && is_there(encounter.b))
     }
 

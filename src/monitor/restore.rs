@@ -2,7 +2,7 @@
 
 use super::encounters::{EncounterTracker, Saved};
 use super::snapshot::Snapshot;
-use super::{EventKind, Monitor, check_revision_threshold, check_setting};
+use super::{EndReason, EventKind, Monitor, check_revision_threshold, check_setting};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
 
@@ -30,13 +30,13 @@ impl Monitor {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut pending_events = self.pending_events.clone();
-        let mut encounters: Vec<Saved> =
-            self.encounters.iter().map(EncounterTracker::save).collect();
-        let mut removed = self.removed.clone();
-        removed.sort_unstable();
-        for saved in &mut encounters {
-            saved.end_of_removed(self.reported, &removed, &mut pending_events);
-        }
+        let encounters = self.encounters.iter().map(|tracker| {
+            let (mut left, is_gone) = (tracker.clone(), |slot| self.removed.has(slot));
+            let reason = EndReason::BodyRemoved;
+            left.end(self.reported, reason, is_gone, &mut pending_events);
+            left.save()
+        });
+        let encounters = encounters.collect();
         Snapshot {
             scene: self.scene.clone(),
             now: self.now,

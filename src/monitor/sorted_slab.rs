@@ -14,7 +14,7 @@ pub(super) struct IndexEntry<K> {
 }
 
 /// A slab of large values with a sorted index.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct SortedSlab<K, V> {
     /// Sorted by key.
     entries: Vec<IndexEntry<K>>,
