@@ -124,7 +124,7 @@ impl LookaheadSearch {
     }
 
     /// Returns true if anything has changed since the last catching up.
-    pub(super) const fn has_changed(&self) -> bool {
+    pub(super) fn has_changed(&self) -> bool {
         !(self.changed.slots().is_empty() && self.left_out.is_empty())
     }
 

@@ -107,16 +107,20 @@ impl LookaheadSlice {
     }
 
     /// Notes that a share of the work (0 to 1) is due, before the slice is needed. Boxes are placed in the order of
-    /// the tree of the slice before: in most scenes bodies have the same neighbours in both.
+    /// the tree of the slice before: in most scenes bodies have the same neighbours in both. Without that tree, the work
+    /// is put off until there is one, or the slice is needed.
     pub(super) fn set_share_due_ahead(&mut self, share: f64, before: &Self) {
-        if self.is_put_off {
+        self.due_share = share;
+        if !matches!(self.stage, BuildStage::Listing(_)) {
             return;
         }
-        if share > 0.0 && self.stage == BuildStage::default() && before.is_placed() {
+        if share > 0.0 && before.is_placed() && !self.is_put_off {
             self.index.boxes.begin_like(&before.index.boxes);
+            self.boxed.clear();
             self.stage = BuildStage::Placing(0);
+        } else {
+            self.due_share = 0.0;
         }
-        self.due_share = share;
     }
 
     /// Returns the part of `count` that is due now, for a stage of the work that lasts from one share of
@@ -146,9 +150,7 @@ impl LookaheadSlice {
         let has_all = |slots| (self.due_slots(bodies)..bodies.monitored.len()).contains(&slots);
         let is_there = match self.stage {
             // Changed bodies are boxed again when the slice is built.
-            BuildStage::Listing(slots) => {
-                return self.due_share < 1.0 && has_all(slots);
-            }
+            BuildStage::Listing(_) => return self.due_share < 1.0,
             // When all boxes are placed, joining has to begin: the slice is not fresh.
             BuildStage::Placing(slots) => self.due_share < 1.0 && has_all(slots),
             BuildStage::Joining(leaves, order) => {
@@ -290,11 +292,21 @@ impl LookaheadSlice {
     ) -> usize {
         let bodies = task.bodies;
         match self.stage {
-            BuildStage::Listing(slots) if slots < self.due_slots(bodies) => {
+            BuildStage::Listing(slots) | BuildStage::Compared(slots)
+                if slots < bodies.monitored.len() =>
+            {
                 let mut boxed = std::mem::take(&mut self.boxed);
                 let until = self.list(bodies, slots, (&mut boxed, &mut scratch.slots));
                 self.boxed = boxed;
-                self.stage = BuildStage::Listing(until);
+                self.stage = match self.stage {
+                    BuildStage::Listing(_) => BuildStage::Listing(until),
+                    _ if until < bodies.monitored.len() => BuildStage::Compared(until),
+                    // Those that have changed are compared next.
+                    _ => {
+                        self.index.boxes.build(&std::mem::take(&mut self.boxed));
+                        BuildStage::Built
+                    }
+                };
                 until - slots
             }
             BuildStage::Placing(slots) if slots < self.due_slots(bodies) => {
@@ -320,24 +332,11 @@ impl LookaheadSlice {
                 self.join(filter, leaves, order, scratch);
                 0
             }
-            BuildStage::Compared(slots) => {
-                let mut boxed = std::mem::take(&mut self.boxed);
-                let until = self.list(bodies, slots, (&mut boxed, &mut scratch.slots));
-                self.boxed = boxed;
-                self.stage = BuildStage::Compared(until);
-                if until == bodies.monitored.len() {
-                    // Those that have changed are compared next.
-                    self.index.boxes.build(&self.boxed);
-                    self.boxed = Vec::new();
-                    self.stage = BuildStage::Built;
-                }
-                until - slots
-            }
             BuildStage::Listing(_) => {
                 self.build(bodies, filter, scratch);
                 0
             }
-            BuildStage::Joining(..) | BuildStage::Built => {
+            BuildStage::Joining(..) | BuildStage::Built | BuildStage::Compared(_) => {
                 self.compare_changed(task, filter, scratch)
             }
         }
@@ -406,7 +405,7 @@ impl LookaheadSlice {
         self.end_at(stage, filter);
     }
 
-    /// Builds the tree, once all boxes are formed; compares all of them if the slice is needed now.
+    /// Builds the tree, once all boxes are formed, and compares all of them.
     fn build(
         &mut self,
         bodies: &BodyTable<'_>,
@@ -417,12 +416,6 @@ impl LookaheadSlice {
         if !self.changed.slots().is_empty() {
             self.box_changed(bodies, None, scratch);
             self.index.boxes.replace(&scratch.listed);
-        }
-        if self.due_share < 1.0 {
-            self.changed.clear();
-            self.boxed = Vec::new();
-            self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());
-            return;
         }
         self.list_all(&mut scratch.listed);
         let SliceScratch { sweep, listed, .. } = scratch;

@@ -80,7 +80,7 @@ pub(in crate::monitor) struct SliceTask<'a> {
 /// Stage of the work on a slice: forming boxes, building their tree, comparing them.
 ///
 /// - A slice that is needed when it begins: `Listing`, `Built`.
-/// - A slice with work ahead: `Placing` (`Listing` if the slice before has no tree), `Joining`, `Built`.
+/// - A slice with work ahead, once the slice before has a tree: `Placing`, `Joining`, `Built`.
 /// - A slice in the time of a search from nothing: `Compared`, and `Built` when bodies change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BuildStage {
