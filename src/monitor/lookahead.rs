@@ -4,8 +4,7 @@
 //! in it, and which bodies have changed since they were compared. Catching up goes through the
 //! slices in the order of time, so that what is known is always complete up to some instant. Slices
 //! that overlap the lookahead are needed. The slice after them is compared as time passes, a share with
-//! each tick, so that no tick takes much longer than others. (Later, and in fewer ticks, where many plans
-//! change: see [`share_due_ahead`].)
+//! each tick, so that no tick takes much longer than others.
 //!
 //! A search from nothing forms boxes of all bodies, and keeps none. There are three of them. If the clock has
 //! jumped far, the time that it passed over is [searched](LookaheadSearch::search_jump) so, once. If much is new, all of
@@ -13,7 +12,6 @@
 //! shorter slices.
 
 mod affordable;
-mod ahead;
 mod ask;
 mod from_nothing;
 mod jump;
@@ -43,7 +41,6 @@ use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
 use affordable::{AffordableLookahead, FEW_TICKS};
-use ahead::share_due_ahead;
 use jump::JumpPace;
 use query_index::QueryIndexes;
 use std::collections::{BTreeSet, VecDeque};
@@ -82,8 +79,6 @@ pub(super) struct LookaheadSearch {
     ends: Vec<f64>,
     /// Last version of the [partners](Scene::partners) that was taken over.
     partners: Option<(u64, u64)>,
-    /// End of the lookahead when it was last caught up with, s.
-    last_end: f64,
     /// Ticks since a search from nothing was cheaper, or most was unknown.
     since_unknown: u32,
     pub(super) affordable: AffordableLookahead,
@@ -116,7 +111,6 @@ impl LookaheadSearch {
             moved: ChangedBounds::default(),
             ends: Vec::new(),
             partners: None,
-            last_end: grid.origin,
             since_unknown: FEW_TICKS,
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
@@ -311,7 +305,6 @@ impl LookaheadSearch {
         {
             self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
-                self.last_end = to;
                 return Ok((to, true));
             }
         }
@@ -335,11 +328,8 @@ impl LookaheadSearch {
             // It is due when the lookahead's end has passed through the last one.
             let start = self.grid.start(last.number);
             let share = ((to - start) / self.grid.length).clamp(0.0, 1.0);
-            let step = (to - self.last_end) / self.grid.length;
-            let changed = (self.changed.slots().len(), self.monitored.bodies());
-            next.set_share_due_ahead(share_due_ahead(share, step, changed), last);
+            next.set_share_due_ahead(share, last);
         }
-        self.last_end = to;
         let bodies = self.bodies(work.admission.scene);
         let stale = self.slices.iter().filter(|slice| !slice.is_fresh(&bodies));
         let is_shared = work.meter.is_unlimited() && stale.count() > 1;
