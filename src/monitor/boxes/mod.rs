@@ -41,8 +41,8 @@ pub(super) struct BoxTree {
     is_fitted: bool,
     /// Number of times that all bodies were put in order: names the current order.
     resort_count: u32,
-    /// Cost of searches for free places since all bodies were put in order, and number of boxes replaced at their places.
-    /// If it grows beyond the number of places, all are put in order again.
+    /// Cost of searches for free places since all bodies were put in order. If it grows beyond the number of places, all
+    /// are put in order again.
     disorder: usize,
     sorted: Vec<(u32, BodyBox)>,
 }
@@ -78,33 +78,11 @@ impl BoxTree {
         self.is_fitted = true;
     }
 
-    /// Replaces the boxes of many bodies. Each keeps its place, though others may be nearer to it now.
-    pub(super) fn replace(&mut self, boxes: &[BodyBox]) {
-        for body in boxes {
-            match self.index(body.body) {
-                Some(index) => {
-                    self.levels[0][index / WIDTH].set(index % WIDTH, corners(&body.aabb));
-                }
-                None => {
-                    self.insert(self.leaf_of(&body.aabb), body);
-                    self.keep_in_order();
-                }
-            }
-        }
-        self.disorder += boxes.len();
-        self.fit();
-    }
-
     /// Takes a body's box out, if it has one.
     pub(super) fn remove(&mut self, slot: u32) {
         if let Some(index) = self.index(slot) {
             self.vacate(index);
         }
-    }
-
-    /// Returns how many bodies there is room for.
-    pub(super) fn capacity(&self) -> usize {
-        self.slot_at.len()
     }
 
     /// Returns the number of leaves. What is in them stays there as long as
@@ -245,7 +223,7 @@ mod tests {
                 });
                 boxes.build(&present.collect::<Vec<_>>());
             }
-            let mut replaced = Vec::new();
+            let mut moved = Vec::new();
             for _ in 0..300 {
                 let slot = rng.random_range(0..plain.len());
                 let new = rng.random_bool(0.8).then(|| random_box(&mut rng));
@@ -254,11 +232,11 @@ mod tests {
                 let leaf = |boxes: &BoxTree, slot: u32| boxes.index(slot).map(|at| at / WIDTH);
                 let leaves: Vec<_> = (0..1000).map(|slot| leaf(&boxes, slot)).collect();
                 match new {
-                    Some(aabb) if round % 3 == 0 => replaced.push(BodyBox { aabb, body }),
+                    Some(aabb) if round % 3 == 0 => moved.push(BodyBox { aabb, body }),
                     Some(aabb) => boxes.move_to(&[BodyBox { aabb, body }]),
                     None => {
                         boxes.remove(body);
-                        replaced.retain(|boxed| boxed.body != body);
+                        moved.retain(|boxed| boxed.body != body);
                     }
                 }
                 // Whoever goes through the leaves misses nobody, as long as the order is the same.
@@ -268,7 +246,7 @@ mod tests {
                 assert!(stayed || boxes.resort_count() != order);
                 reordered += u32::from(!stayed);
             }
-            boxes.replace(&replaced);
+            boxes.move_to(&moved);
             for _ in 0..200 {
                 let asked = random_box(&mut rng);
                 let body = BodyBox {
@@ -307,22 +285,16 @@ mod tests {
             boxes.collect()
         };
         let (few, come) = (spread(0, 0.0), spread(FEW, 1e6));
-        for moves in [true, false] {
-            let mut boxes = BoxTree::default();
-            boxes.build(&few);
-            let order = boxes.resort_count();
-            if moves {
-                boxes.move_to(&come);
-            } else {
-                boxes.replace(&come);
-            }
-            let sorted = boxes.resort_count() - order;
-            assert!(sorted > 1, "{moves} {sorted}");
-            let (mut search, mut met) = (TreeSearch::default(), 0);
-            boxes.meeting(&come, &mut search, |own, slot| {
-                met += usize::from(own.body == slot);
-            });
-            assert_eq!(met, come.len());
-        }
+        let mut boxes = BoxTree::default();
+        boxes.build(&few);
+        let order = boxes.resort_count();
+        boxes.move_to(&come);
+        let sorted = boxes.resort_count() - order;
+        assert!(sorted > 1, "{sorted}");
+        let (mut search, mut met) = (TreeSearch::default(), 0);
+        boxes.meeting(&come, &mut search, |own, slot| {
+            met += usize::from(own.body == slot);
+        });
+        assert_eq!(met, come.len());
     }
 }

@@ -19,7 +19,7 @@ impl BoxTree {
     }
 
     /// Puts all bodies in order again if there is too much disorder.
-    pub(super) fn keep_in_order(&mut self) {
+    fn keep_in_order(&mut self) {
         if self.disorder > self.slot_at.len() {
             self.list_for_order();
             self.put_in_order();
@@ -66,7 +66,7 @@ impl BoxTree {
 
     /// Gives a place to a body that has none: the nearest along the curve to the leaf where it
     /// belongs.
-    pub(super) fn insert(&mut self, first: usize, body: &BodyBox) {
+    fn insert(&mut self, first: usize, body: &BodyBox) {
         let leaves = self.leaves();
         for distance in 0..leaves.max(1) {
             let before = first.checked_sub(distance);

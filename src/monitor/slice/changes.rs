@@ -3,15 +3,10 @@
 use super::state::LimitedAdmission;
 use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::bounds::FatLine;
-use crate::broad_phase::{BodyBox, BroadPhase, Groups, PairFilter};
+use crate::broad_phase::BodyBox;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
-use crate::monitor::slot_set::SlotSet;
 
 impl LookaheadSlice {
-    /// Sweeping over all boxes costs as much as asking for what meets the boxes of a tenth of the
-    /// bodies (measured with 10,000 and 100,000): this share of the places for them.
-    const FEW_CHANGED: usize = 16;
-
     /// Notes that bodies have changed; each slot once.
     pub(in crate::monitor) fn note(&mut self, slots: &[u32]) {
         let boxed = match self.stage {
@@ -34,19 +29,13 @@ impl LookaheadSlice {
     ) -> usize {
         let changed = self.changed.slots().len();
         self.box_changed(task.bodies, task.moved, scratch);
-        if changed > self.index.boxes.capacity() / Self::FEW_CHANGED {
-            self.index.boxes.replace(&scratch.listed);
-            self.list_all(&mut scratch.listed);
-            let concerns = TouchesChanged {
-                changed: &self.changed,
-                filter,
-            };
-            let SliceScratch { sweep, listed, .. } = scratch;
-            sweep.pairs(listed, &concerns, &mut self.candidates);
-        } else {
-            self.index.boxes.move_to(&scratch.listed);
-            self.list_meeting(filter, scratch, |moved, other| other != moved);
-        }
+        self.index.boxes.move_to(&scratch.listed);
+        let all_changed = std::mem::take(&mut self.changed);
+        // Of two changed bodies, the one in the higher slot finds the other one.
+        self.list_meeting(filter, scratch, |moved, other| {
+            other < moved || other > moved && !all_changed.has(other)
+        });
+        self.changed = all_changed;
         self.end_at(self.stage, filter);
         changed
     }
@@ -87,29 +76,5 @@ impl LookaheadSlice {
                 self.index.boxes.remove(slot);
             }
         }
-    }
-}
-
-/// Admits pairs with a changed body.
-struct TouchesChanged<'f> {
-    changed: &'f SlotSet,
-    filter: &'f LimitedAdmission<'f>,
-}
-
-impl PairFilter for TouchesChanged<'_> {
-    fn admits(&self, a: u32, b: u32) -> bool {
-        (self.changed.has(a) || self.changed.has(b)) && self.filter.admits(a, b)
-    }
-
-    fn groups(&self) -> Groups {
-        self.filter.groups()
-    }
-
-    fn group(&self, slot: u32) -> u8 {
-        self.filter.group(slot)
-    }
-
-    fn gives_up(&self) -> bool {
-        self.filter.gives_up()
     }
 }

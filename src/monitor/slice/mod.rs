@@ -415,20 +415,16 @@ impl LookaheadSlice {
         self.index.boxes.build(&self.boxed);
         if !self.changed.slots().is_empty() {
             self.box_changed(bodies, None, scratch);
-            self.index.boxes.replace(&scratch.listed);
+            self.index.boxes.move_to(&scratch.listed);
         }
-        self.list_all(&mut scratch.listed);
         let SliceScratch { sweep, listed, .. } = scratch;
+        listed.clear();
+        let boxes = &self.index.boxes;
+        boxes.each(0..boxes.leaves(), |body| listed.push(body));
         sweep.pairs(listed, filter, &mut self.candidates);
         self.end_at(BuildStage::Built, filter);
         if self.stage == BuildStage::Built {
             self.boxed = Vec::new();
         }
-    }
-
-    fn list_all(&self, listed: &mut Vec<BodyBox>) {
-        listed.clear();
-        let boxes = &self.index.boxes;
-        boxes.each(0..self.index.boxes.leaves(), |body| listed.push(body));
     }
 }
