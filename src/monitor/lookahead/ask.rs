@@ -116,7 +116,8 @@ impl LookaheadSearch {
         for slice in &covered {
             slice.list_changed(&mut neighbours);
             if slice.is_placed() {
-                slice.neighbours(&bodies, &source, &mut scratch, &mut neighbours);
+                let (index, interval) = (&slice.index, slice.interval);
+                index.neighbours(&bodies, interval, &source, &mut scratch, &mut neighbours);
             }
         }
         let count = self.grid.slices_to_search();

@@ -19,7 +19,7 @@ impl QueryIndexes {
     }
 
     /// Lists the bodies that may be near the body of a source within consecutive slices and a window (s), as
-    /// [`LookaheadSlice::neighbours`] does. Between two ticks, the window is always the same, and so are the slices that
+    /// [`BoxIndex::neighbours`] does. Between two ticks, the window is always the same, and so are the slices that
     /// begin with one.
     pub(super) fn neighbours(
         &self,
@@ -33,14 +33,14 @@ impl QueryIndexes {
             return;
         };
         // What the clock has passed may have many knots.
-        let start = first.start().max(window.0);
+        let start = first.interval.0.max(window.0);
         let interval = (
-            if start < last.end() {
+            if start < last.interval.1 {
                 start
             } else {
-                first.start()
+                first.interval.0
             },
-            last.end(),
+            last.interval.1,
         );
         let of_slices = |(number, _): &(Option<i64>, BoxIndex)| *number == Some(first.number);
         let mut indexes = self.0.read().unwrap_or_else(PoisonError::into_inner);

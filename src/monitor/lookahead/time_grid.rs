@@ -8,7 +8,7 @@ impl LookaheadSearch {
         let (first, last) = (self.slices.front(), self.slices.back());
         let is_there = first.is_some_and(|first| first.number <= self.index(from));
         last.filter(|_| is_there)
-            .map_or(from, |last| last.end().max(from))
+            .map_or(from, |last| last.interval.1.max(from))
     }
 
     /// Begins the missing slices, from the one that contains `from` to the one after that with `to`. Returns the number

@@ -17,19 +17,6 @@ pub(in crate::monitor) struct NearBody {
 }
 
 impl LookaheadSlice {
-    /// Lists the bodies that may be near the body of a source within the slice, which [has boxes](Self::is_placed), in
-    /// any order, some several times.
-    pub(in crate::monitor) fn neighbours(
-        &self,
-        bodies: &BodyTable<'_>,
-        source: &CubicSource<'_, Segment>,
-        scratch: &mut SliceScratch,
-        neighbours: &mut Vec<NearBody>,
-    ) {
-        let index = &self.index;
-        index.neighbours(bodies, self.interval, source, scratch, neighbours);
-    }
-
     /// Lists the bodies that have changed since their boxes were formed: each may be anywhere.
     pub(in crate::monitor) fn list_changed(&self, neighbours: &mut Vec<NearBody>) {
         let (from, to) = self.interval;

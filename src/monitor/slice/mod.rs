@@ -60,10 +60,9 @@ impl LookaheadSlice {
 
     /// Notes that all bodies were compared with each other until an instant (s), without boxes of the whole slice.
     pub(super) fn set_compared(&mut self, until: f64) {
-        let stage = BuildStage::Compared(0);
         self.stats.slices += u64::from(!self.stage.is_compared());
         self.begin(self.number, self.interval);
-        self.stage = stage;
+        self.stage = BuildStage::Compared(0);
         self.search_from = Some(until).filter(|&until| until < self.interval.1);
     }
 
@@ -89,16 +88,6 @@ impl LookaheadSlice {
             && self.refined == self.candidates.len();
         let until = self.search_from.filter(|_| is_compared);
         until.unwrap_or(self.interval.0)
-    }
-
-    /// Returns its beginning, s.
-    pub(super) const fn start(&self) -> f64 {
-        self.interval.0
-    }
-
-    /// Returns its end, s.
-    pub(super) const fn end(&self) -> f64 {
-        self.interval.1
     }
 
     /// Notes that the slice is needed from now on: all of its work is due.

@@ -16,8 +16,8 @@ use crate::stats::Stats;
 pub(in crate::monitor) struct LookaheadSlice {
     /// Place on the monitor's grid of time.
     pub(in crate::monitor) number: i64,
-    pub(super) interval: (f64, f64),
-    pub(super) index: BoxIndex,
+    pub(in crate::monitor) interval: (f64, f64),
+    pub(in crate::monitor) index: BoxIndex,
     pub(super) stage: BuildStage,
     /// Share of the work that is to be done now, 0 to 1: 1 if the slice is needed.
     pub(super) due_share: f64,
