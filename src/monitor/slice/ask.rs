@@ -1,7 +1,8 @@
 //! Bodies that may come near a plan that no body follows.
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch};
-use crate::bounds::CubicSource;
+use crate::bounds::{CubicSource, FatLine};
+use crate::broad_phase::BodyBox;
 use crate::monitor::bodies::BodyTable;
 use crate::narrow_phase::approaching;
 use crate::simd::prefetch;
@@ -34,22 +35,36 @@ impl LookaheadSlice {
 }
 
 impl BoxIndex {
+    /// Stands for the fat line of a body without a box: nobody asks for it.
+    pub(super) const NO_FAT_LINE: FatLine = FatLine {
+        start: [0.0; 3],
+        change: [0.0; 3],
+        radius: f32::INFINITY,
+        first: 0,
+    };
+
     /// Forms the boxes of all bodies in an interval (s).
     pub(in crate::monitor) fn form(&mut self, bodies: &BodyTable<'_>, (from, to): (f64, f64)) {
-        let fat_lines = &mut self.fat_lines;
-        fat_lines.resize(bodies.monitored.len(), LookaheadSlice::NO_FAT_LINE);
-        let mut listed = Vec::new();
-        let mut present = Vec::new();
+        let (mut listed, mut present) = (Vec::new(), Vec::new());
         bodies.list_present(0..bodies.monitored.len(), (from, to), &mut present);
-        bodies.boxes(
-            present.iter().copied(),
-            &[from, to],
-            &mut |_, boxed, fat_line| {
-                fat_lines[boxed.body as usize] = *fat_line;
-                listed.push(boxed);
-            },
-        );
+        self.list_boxes(bodies, present.iter().copied(), (from, to), &mut listed);
         self.boxes.build(&listed);
+    }
+
+    /// Lists the boxes of some bodies in an interval (s), and keeps their fat lines.
+    pub(super) fn list_boxes(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        slots: impl Iterator<Item = u32> + Clone,
+        (from, to): (f64, f64),
+        listed: &mut Vec<BodyBox>,
+    ) {
+        let fat_lines = &mut self.fat_lines;
+        fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
+        bodies.boxes(slots, &[from, to], &mut |_, boxed, fat_line| {
+            fat_lines[boxed.body as usize] = *fat_line;
+            listed.push(boxed);
+        });
     }
 
     /// Lists the bodies that may be near the body of a source within the interval of the boxes (s).

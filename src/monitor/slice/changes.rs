@@ -1,9 +1,7 @@
 //! Bodies that changed since a slice was compared.
 
 use super::state::LimitedAdmission;
-use super::{BuildStage, LookaheadSlice, SliceScratch, SliceTask};
-use crate::bounds::FatLine;
-use crate::broad_phase::BodyBox;
+use super::{BoxIndex, BuildStage, LookaheadSlice, SliceScratch, SliceTask};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
 impl LookaheadSlice {
@@ -49,23 +47,19 @@ impl LookaheadSlice {
     ) {
         let listed = &mut scratch.listed;
         listed.clear();
-        let ends = self.ends();
-        let fat_lines = &mut self.index.fat_lines;
-        fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
-        let mut list = |boxed: BodyBox, fat_line: &FatLine| {
-            fat_lines[boxed.body as usize] = *fat_line;
-            listed.push(boxed);
-        };
         match moved {
             Some((moved, number)) if moved.are(self.changed.slots()) => {
-                let boxes = moved.of(number);
-                boxes.for_each(|(boxed, fat_line)| list(*boxed, fat_line));
+                let fat_lines = &mut self.index.fat_lines;
+                fat_lines.resize(bodies.monitored.len(), BoxIndex::NO_FAT_LINE);
+                for (boxed, fat_line) in moved.of(number) {
+                    fat_lines[boxed.body as usize] = *fat_line;
+                    listed.push(*boxed);
+                }
             }
             _ => {
                 let changed = self.changed.slots().iter().copied();
-                bodies.boxes(changed, &ends, &mut |_, boxed, fat_line| {
-                    list(boxed, fat_line)
-                });
+                self.index
+                    .list_boxes(bodies, changed, self.interval, listed);
             }
         }
         self.stats.boxes += listed.len() as u64;

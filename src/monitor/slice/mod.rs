@@ -6,7 +6,6 @@ mod refine;
 mod state;
 
 use super::bodies::BodyTable;
-use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::count::{as_f64, whole};
 use crate::search::LimitExceeded;
@@ -33,14 +32,6 @@ impl LookaheadSlice {
 
     /// Boxes that are compared with the tree before a filter is asked whether it gives up.
     const BOXES_PER_CHECK: usize = 64;
-
-    /// Stands for the fat line of a body without a box: nobody asks for it.
-    const NO_FAT_LINE: FatLine = FatLine {
-        start: [0.0; 3],
-        change: [0.0; 3],
-        radius: f32::INFINITY,
-        first: 0,
-    };
 
     /// Returns an empty slice in this one's memory.
     pub(super) fn begin(&mut self, number: i64, interval: (f64, f64)) {
@@ -171,10 +162,6 @@ impl LookaheadSlice {
         } else {
             all.min(changed + self.changed.slots().len())
         }
-    }
-
-    const fn ends(&self) -> [f64; 2] {
-        [self.interval.0, self.interval.1]
     }
 
     /// Appends the admitted pairs of a listed box with another body whose box it overlaps, if `wanted` returns true
@@ -341,14 +328,9 @@ impl LookaheadSlice {
     ) -> usize {
         let until = self.due_slots(bodies).min(first + Self::STEP);
         bodies.list_present(first..until, self.interval, present);
-        let ends = self.ends();
-        let fat_lines = &mut self.index.fat_lines;
-        fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
         let before = listed.len();
-        bodies.boxes(present.iter().copied(), &ends, &mut |_, boxed, fat_line| {
-            fat_lines[boxed.body as usize] = *fat_line;
-            listed.push(boxed);
-        });
+        let slots = present.iter().copied();
+        self.index.list_boxes(bodies, slots, self.interval, listed);
         self.stats.boxes += (listed.len() - before) as u64;
         until
     }
