@@ -73,16 +73,7 @@ impl MonitoredBody {
         (self.beyond, self.is_extended) = ((0, 0), false);
         self.take_knots(trajectory, window);
         self.last = trajectory.last_motion();
-        if self.ends.0 < window.start() && window.end() < self.ends.1 {
-            // The plan's own cubics cover the window.
-            self.is_endless = trajectory.outside_after() != Outside::Absent;
-            return Ok(());
-        }
-        self.is_endless = false;
-        if trajectory.goes_beyond() {
-            self.follow(trajectory, window.end())?;
-        }
-        Ok(())
+        self.follow(trajectory, window.end())
     }
 
     /// Takes a motion that [replaces](Trajectory::replace_checked) the last one of the plan, and follows it over `window`.
