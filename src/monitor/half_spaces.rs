@@ -122,8 +122,7 @@ impl HalfSpaceSearch {
             } else {
                 search.list(slot, &self.all_planes, since)?
             };
-            let next = due_by(slot, next, (horizon, until));
-            self.due.set(slot, next.max(horizon.next_up()));
+            self.due.set(slot, due_by(slot, next, (horizon, until)));
             self.next += 1;
             work.meter.count(1);
         }
@@ -143,25 +142,25 @@ impl HalfSpaceSearch {
                 continue;
             }
             let next = search.list(slot, &self.all_planes, since)?;
-            let next = due_by(slot, next, (horizon, until));
-            self.due.set(slot, next.max(horizon.next_up()));
+            self.due.set(slot, due_by(slot, next, (horizon, until)));
             work.meter.count(1);
         }
         Ok(known)
     }
 }
 
-/// Returns the instant (s) at which a body is due again that is compared up to `next` (s). If that is `until`, the end of the
+/// Returns the instant (s), beyond the horizon, at which a body is due again that is compared up to `next` (s). If that is `until`, the end of the
 /// compared time, the instant lies in the second half of the time from the horizon to there (both s). Else bodies that are
 /// compared in one tick would be due in one tick as well, which would take much longer than others.
 fn due_by(slot: u32, next: f64, (horizon, until): (f64, f64)) -> f64 {
     /// Its multiples are spread evenly between whole numbers.
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let soonest = horizon.next_up();
     if next.total_cmp(&until).is_ne() {
-        return next;
+        return next.max(soonest);
     }
     let share = (GOLDEN * f64::from(slot)).fract();
-    next - 0.5 * share * (next - horizon)
+    (next - 0.5 * share * (next - horizon)).max(soonest)
 }
 
 /// The comparison of bodies with half-spaces.
