@@ -24,7 +24,7 @@ pub(super) struct Grid {
     /// Number of slices that make up the lookahead.
     pub(super) slice_count: f64,
     /// Estimate of the scene when the grid was chosen.
-    estimate: SceneEstimate,
+    pub(super) estimate: SceneEstimate,
 }
 
 /// An estimate of the number of slices of a lookahead, by a rule of thumb, from some of the bodies. Two
@@ -228,11 +228,10 @@ impl Grid {
         let [before, now] =
             [&self.estimate, estimate].map(|one| Self::number(one.slices, scene.len(), one));
         let is_alike = now <= FEW * before && before <= FEW * now;
-        // Bodies that exist for longer take more memory.
-        let memory = self.slice_count * Self::memory(scene.len(), estimate);
-        let has_memory = self.slice_count <= Self::FEWEST || memory <= 2.0 * Self::MAX_MEMORY;
         let frame = Frame::around(self.estimate.middle, self.margin.abs());
-        is_alike && has_memory && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
+        is_alike
+            && !self.is_too_fine(scene, estimate)
+            && frame.suits(estimate.middle, estimate.middle, self.margin.abs())
     }
 
     /// Returns true if the grid serves a scene about as well as another grid that was chosen for it.
@@ -250,10 +249,11 @@ impl Grid {
         self.search_length = other.search_length;
     }
 
-    /// Returns true if the slices of a scene, which has grown, take far too much memory.
-    pub(super) fn is_too_fine(&self, scene: &Scene) -> bool {
+    /// Returns true if the slices of a scene take far too much memory, by an estimate: it has grown, or its bodies exist
+    /// for longer.
+    pub(super) fn is_too_fine(&self, scene: &Scene, estimate: &SceneEstimate) -> bool {
         self.slice_count > Self::FEWEST
-            && self.slice_count * Self::memory(scene.len(), &self.estimate) > 2.0 * Self::MAX_MEMORY
+            && self.slice_count * Self::memory(scene.len(), estimate) > 2.0 * Self::MAX_MEMORY
     }
 
     /// Returns true if f64 resolves at least 4,096 instants in a slice on a clock that shows `now` (s). A grid

@@ -47,7 +47,7 @@ impl Monitor {
         let lookahead = (self.reported, self.lookahead);
         let grid = &self.search.grid;
         let margin = grid.margin;
-        let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene);
+        let can_stay = grid.has_room(now) && !grid.is_too_fine(&self.scene, &grid.estimate);
         if can_stay {
             let bodies = self.scene.len();
             if !(may_wait && self.grid_review.is_due(bodies, now, self.lookahead)) {
