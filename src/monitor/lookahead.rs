@@ -41,7 +41,6 @@ use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
 use affordable::{AffordableLookahead, FEW_TICKS};
-use jump::JumpPace;
 use query_index::QueryIndexes;
 use std::collections::{BTreeSet, VecDeque};
 use std::iter::once;
@@ -58,8 +57,8 @@ pub(super) struct LookaheadSearch {
     slices: VecDeque<LookaheadSlice>,
     /// Unused slices: their memory is reused.
     unused: Vec<LookaheadSlice>,
-    /// None if nothing is left to search.
-    jump: Option<JumpPace>,
+    /// Lengths of the next chunk of a jump and of its slices, s; none if nothing is left to search.
+    jump: Option<(f64, f64)>,
     pub(super) half_spaces: HalfSpaceSearch,
     query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.

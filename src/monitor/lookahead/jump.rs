@@ -14,13 +14,6 @@ use crate::rounding::earliest_exact;
 use crate::search::LimitExceeded;
 use crate::stats::Stats;
 
-/// Lengths of the next chunk of a jump and of its slices, s.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JumpPace {
-    chunk: f64,
-    slice: f64,
-}
-
 impl LookaheadSearch {
     /// Boxes and candidates, in all and more for each body: a chunk that takes fewer is followed by one that is twice
     /// as long.
@@ -49,10 +42,7 @@ impl LookaheadSearch {
         let (pool, window) = (&self.search_pool, ((from, to), work.meter.threads()));
         let (bodies, _) = PreparedBodies::in_window(table, self.limits(), pool, window);
         let (admission, meter) = (&work.admission, &mut work.meter);
-        let pace = self.jump.get_or_insert(JumpPace {
-            chunk: length,
-            slice: length,
-        });
+        let (chunk, slice) = self.jump.get_or_insert((length, length));
         // What has changed since the last call counts from there on, with all instants that are rounded to it.
         let mut at = earliest_exact(from);
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
@@ -61,9 +51,9 @@ impl LookaheadSearch {
             if meter.is_spent() || at >= until {
                 return Ok(Some(at.max(from)));
             }
-            let end = (at + pace.chunk).min(to.min(until));
+            let end = (at + *chunk).min(to.min(until));
             let window = (at, end);
-            let (slices, statistics) = bodies.cheapest_slices(window, pace.slice, admission);
+            let (slices, statistics) = bodies.cheapest_slices(window, *slice, admission);
             let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
             let found = (&mut self.survivors, &mut counted);
             bodies.list_spans(slicing, admission, found)?;
@@ -76,10 +66,10 @@ impl LookaheadSearch {
             work.stats += counted;
             meter.count(examined.saturating_add(1));
             at = end;
-            pace.slice = slices.length();
+            *slice = slices.length();
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
             let factor = if examined < little { 2.0 } else { 0.5 };
-            pace.chunk = (factor * pace.chunk).max(length);
+            *chunk = (factor * *chunk).max(length);
         }
         self.jump = None;
         Ok(None)
