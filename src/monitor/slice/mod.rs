@@ -196,22 +196,6 @@ impl LookaheadSlice {
         &mut self,
         task: &SliceTask<'_>,
         scratch: &mut SliceScratch,
-        goes_on: impl FnMut(usize) -> bool,
-    ) {
-        self.take_steps(task, scratch, goes_on);
-        let is_used = self.refined < self.candidates.len();
-        if !is_used
-            && self.candidates.capacity() > Self::FEW_CANDIDATES + 4 * self.index.fat_lines.len()
-        {
-            self.candidates = Vec::new();
-            self.refined = 0;
-        }
-    }
-
-    fn take_steps(
-        &mut self,
-        task: &SliceTask<'_>,
-        scratch: &mut SliceScratch,
         mut goes_on: impl FnMut(usize) -> bool,
     ) {
         self.has_exceeded_limit = false;
@@ -230,8 +214,13 @@ impl LookaheadSlice {
             // A slice without a body is work as well: a budget of counted work stops at one place
             // only.
             if !goes_on(1 + work) || task.filter.gives_up() || self.has_exceeded_limit {
-                return;
+                break;
             }
+        }
+        let few = Self::FEW_CANDIDATES + 4 * self.index.fat_lines.len();
+        if self.refined >= self.candidates.len() && self.candidates.capacity() > few {
+            self.candidates = Vec::new();
+            self.refined = 0;
         }
     }
 
