@@ -204,11 +204,8 @@ impl Scene {
     ///
     /// [`Error::UnknownBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<Body, Error> {
-        let entry = if self.has(id) {
-            self.slots[id.slot as usize].entry.take()
-        } else {
-            None
-        };
+        let slot = self.has(id).then(|| &mut self.slots[id.slot as usize]);
+        let entry = slot.and_then(|slot| slot.entry.take());
         let entry = entry.ok_or(Error::UnknownBody { id })?;
         let key = &mut self.keys[id.slot as usize];
         key.is_taken = false;
@@ -426,14 +423,9 @@ impl Scene {
 
     /// Returns a body's entry and the arena of its compact trajectory.
     fn entry_mut(&mut self, id: BodyId) -> Result<(&mut SceneEntry, &mut CubicArena), Error> {
-        let is_known = self.has(id);
-        let slot = self.slots.get_mut(id.slot as usize);
-        let entry = slot
-            .filter(|_| is_known)
-            .and_then(|slot| slot.entry.as_mut());
-        entry
-            .map(|entry| (entry, &mut self.arena))
-            .ok_or(Error::UnknownBody { id })
+        let slot = self.has(id).then(|| &mut self.slots[id.slot as usize]);
+        let entry = slot.and_then(|slot| slot.entry.as_mut());
+        Ok((entry.ok_or(Error::UnknownBody { id })?, &mut self.arena))
     }
 }
 
