@@ -238,7 +238,7 @@ impl LookaheadSearch {
         let changed = (self.has_changed(), is_from_nothing);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
-        let clock_slice = self.start(self.index(lookahead.0));
+        let clock_slice = self.grid.start(self.index(lookahead.0));
         self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());

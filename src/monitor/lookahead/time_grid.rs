@@ -18,12 +18,12 @@ impl LookaheadSearch {
         let mut needed = 0;
         self.ends.clear();
         loop {
-            self.ends.push(self.start(index));
-            let is_needed = self.start(index) <= to;
+            self.ends.push(self.grid.start(index));
+            let is_needed = self.grid.start(index) <= to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
                 let mut slice = self.unused.pop().unwrap_or_default();
-                slice.begin(index, (self.start(index), self.start(index + 1)));
+                slice.begin(index, (self.grid.start(index), self.grid.start(index + 1)));
                 self.slices.push_back(slice);
             }
             if !is_needed {
@@ -45,10 +45,6 @@ impl LookaheadSearch {
         }
     }
 
-    pub(super) fn start(&self, index: i64) -> f64 {
-        self.grid.start(index)
-    }
-
     /// Returns the number of the first slice to search for reports from `time` (s) on: the last slice that
     /// begins before `time`. If `time` is a boundary, an instant that is rounded to it may lie in the slice before it.
     /// Further slices are not needed: neighbouring boundaries are many roundings apart.
@@ -58,7 +54,7 @@ impl LookaheadSearch {
     )]
     pub(super) fn index(&self, time: f64) -> i64 {
         let mut index = ((time - self.grid.origin) / self.grid.length).floor() as i64;
-        while self.start(index) >= time {
+        while self.grid.start(index) >= time {
             index -= 1;
         }
         index
