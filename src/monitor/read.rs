@@ -22,8 +22,6 @@ use crate::screen::{conflict, describe};
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) planned: Vec<EncounterCache>,
-    /// Pairs whose solved spans have changed: to be read.
-    pub(super) changed_pairs: Vec<SlotPair>,
     /// Memory of two threads.
     pub(super) scratch: [ReadScratch; 2],
 }
@@ -50,7 +48,6 @@ impl LevelCaches {
         Self {
             conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
             planned: (0..count).map(|_| EncounterCache::default()).collect(),
-            changed_pairs: Vec::new(),
             scratch: Default::default(),
         }
     }
@@ -60,10 +57,10 @@ impl LevelCaches {
         self.planned.iter().any(EncounterCache::lists_all)
     }
 
-    /// Reads the [changed pairs](Self::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
+    /// Reads the [changed pairs](super::solved_spans::SolvedSpans::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
     /// before an instant (s) are dropped.
     pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
-        let (changed, [scratch, _]) = (&self.changed_pairs, &mut self.scratch);
+        let (changed, [scratch, _]) = (&context.search.solved.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
         for ((conflicts, encounters), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);

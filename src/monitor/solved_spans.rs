@@ -21,9 +21,9 @@ pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
     spans: SortedSlab<SpanKey, SolvedSpan>,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
-    /// [taken](Self::take_changed_pairs). (Not those of which something has passed: that changes nothing
+    /// read. (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
-    changed_pairs: Vec<SlotPair>,
+    pub(super) changed_pairs: Vec<SlotPair>,
     /// Spans of turning bodies of which only a part is solved, and the end of that part, s.
     partly_solved: BTreeMap<SpanKey, f64>,
 }
@@ -110,12 +110,10 @@ impl SolvedSpans {
         Ok(count)
     }
 
-    /// Puts the pairs that have changed into `changed`, sorted, each once; replaces what it held.
-    pub(super) fn take_changed_pairs(&mut self, changed: &mut Vec<SlotPair>) {
-        changed.clear();
-        std::mem::swap(&mut self.changed_pairs, changed);
-        changed.sort_unstable();
-        changed.dedup();
+    /// Sorts the pairs that have changed, each once.
+    pub(super) fn sort_changed_pairs(&mut self) {
+        self.changed_pairs.sort_unstable();
+        self.changed_pairs.dedup();
     }
 
     fn of(&self, pair: SlotPair) -> impl Iterator<Item = &IndexEntry<SpanKey>> {

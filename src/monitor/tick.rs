@@ -244,14 +244,13 @@ impl Monitor {
 impl Monitor {
     /// Reads the pairs that have changed.
     pub(super) fn read_changed_pairs(&mut self) {
-        self.search
-            .solved
-            .take_changed_pairs(&mut self.readings.changed_pairs);
+        self.search.solved.sort_changed_pairs();
         let context = ReadContext {
             search: &self.search,
             scene: &self.scene,
         };
         self.readings.update(context, &self.levels, self.reported);
+        self.search.solved.changed_pairs.clear();
     }
 
     /// Reads the conflicts from now to the end of the known time (s), and the planned encounters from the last
