@@ -332,15 +332,17 @@ impl LookaheadSearch {
         let bodies = self.bodies(work.admission.scene);
         let stale = self.slices.iter().filter(|slice| !slice.is_fresh(&bodies));
         let is_shared = work.meter.is_unlimited() && stale.count() > 1;
-        let (stop, is_done) = if is_shared {
+        let found = if is_shared {
             self.refresh_together(needed, work)
         } else {
             self.refresh_one_by_one(from, needed, work)
         };
-        let first = self.slices[0].number;
-        let known = stop.map_or(to, |number| {
-            let place = usize::try_from(number - first).unwrap_or_default();
-            let until = self.slices[place].compared_until().max(from);
+        // The budget may be spent, or the filter have given up.
+        let bodies = self.bodies(work.admission.scene);
+        let mut in_order = self.slices.iter().take(needed);
+        let stale = in_order.find(|slice| !slice.is_fresh(&bodies));
+        let known = stale.map_or(to, |slice| {
+            let until = slice.compared_until().max(from);
             last_known(until).max(from).min(to)
         });
         let done = |stats: &Stats| stats.boxes + stats.candidates;
@@ -350,12 +352,12 @@ impl LookaheadSearch {
             let count = done(&work.stats) - before;
             work.meter.count(usize::try_from(count).unwrap_or(0));
         }
-        Ok((known, is_done))
+        Ok((known, found <= self.max_spans))
     }
 
-    /// Compares what is due in all slices, on all threads. Returns the number of the first needed slice that is not
-    /// up to date; and false if survivors are to be solved before the rest.
-    fn refresh_together(&mut self, needed: usize, work: &mut TickWork<'_>) -> (Option<i64>, bool) {
+    /// Compares what is due in all slices, on all threads. Returns the number of survivors: if these are more than there is
+    /// room for, they are to be solved before the rest.
+    fn refresh_together(&mut self, needed: usize, work: &mut TickWork<'_>) -> usize {
         let (limits, most) = (self.limits(), self.max_spans);
         let scene = work.admission.scene;
         let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
@@ -390,21 +392,12 @@ impl LookaheadSearch {
                 found.fetch_add(beyond + slice.survivors.len(), Relaxed);
             }
         });
-        // The filter may have given up.
-        let stale = slices[..needed]
-            .iter()
-            .find(|slice| !slice.is_fresh(&bodies));
-        (stale.map(|slice| slice.number), found.into_inner() <= most)
+        found.into_inner()
     }
 
     /// Compares what is due in all slices from `from` (s) on, soonest first, until the budget is spent. Returns what
     /// [`refresh_together`](Self::refresh_together) does.
-    fn refresh_one_by_one(
-        &mut self,
-        from: f64,
-        needed: usize,
-        work: &mut TickWork<'_>,
-    ) -> (Option<i64>, bool) {
+    fn refresh_one_by_one(&mut self, from: f64, needed: usize, work: &mut TickWork<'_>) -> usize {
         let limits = self.limits();
         let scene = work.admission.scene;
         let bodies = BodyTable::of(scene, &self.monitored, &self.grid);
@@ -418,12 +411,9 @@ impl LookaheadSearch {
         let meter = &mut work.meter;
         let mut found = 0;
         for (number, slice) in self.slices.iter_mut().enumerate() {
-            if found > self.max_spans {
-                return (None, false);
-            }
             let is_needed = number < needed;
             // What is solved of turning bodies does not reach beyond, and no work is due there.
-            if !is_needed && meter.has_to_finish() {
+            if found > self.max_spans || !is_needed && meter.has_to_finish() {
                 break;
             }
             let start = self.grid.start(slice.number).max(from);
@@ -441,10 +431,10 @@ impl LookaheadSearch {
             }
             found += slice.survivors.len();
             if is_needed && !slice.is_fresh(&bodies) {
-                return (Some(slice.number), true);
+                break;
             }
         }
-        (None, true)
+        found
     }
 
     /// Takes the survivors and the counts out of all slices. What is found ahead of time must leave room for what is
