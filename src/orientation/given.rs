@@ -52,9 +52,9 @@ impl GivenRotation {
         }
     }
 
-    /// Returns true if the cuts have to be searched for.
-    pub(super) const fn has_searched_cuts(&self) -> bool {
-        matches!(self, Self::NormalizedCubic { .. })
+    /// Returns true if there is one piece for all time.
+    pub(super) const fn is_one_piece(&self) -> bool {
+        matches!(self, Self::Fixed | Self::Spin { .. })
     }
 
     /// Returns the pieces for all time, in time order, cut for these tolerances.

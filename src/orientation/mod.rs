@@ -201,7 +201,8 @@ impl Orientation {
     /// [`Error::Tolerance`] if it is not within 1e-9..=0.1; [`Error::RotationVanishes`] if a
     /// [normalised cubic](Self::normalized_cubic) cannot be known so well.
     pub fn with_tolerance(self, tolerance: f64) -> Result<Self, Error> {
-        Self::of_parts(self.parts(), Some(tolerance), &[])
+        let turning = self.into_turning().with_tolerance(Some(tolerance))?;
+        Ok(Self::of_turning(turning))
     }
 
     /// Returns the [tolerance](Self::with_tolerance) that was set, relative to a sphere's distance from the body's
@@ -246,29 +247,16 @@ impl Orientation {
     /// cannot be known to the tolerance of the other orientation.
     pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
         let from = Self::checked_start(from)?;
-        let (own, other) = (self.parts(), next.parts());
         let tolerance = next.tolerance().or_else(|| self.tolerance());
-        let known: Vec<&Turning> = [self, next].into_iter().filter_map(Self::turning).collect();
-        if let ([.., last], [only]) = (&own[..], &other[..])
-            && last.given.is_same_as(&only.given)
-            && last.from.is_none_or(|begin| begin <= from)
-        {
-            // It is followed already.
-            let parts = Turning::parts_until(&own, f64::INFINITY, since);
-            return Self::of_parts(parts, tolerance, &known);
+        let (mut both, mut next) = (self.clone().into_turning(), next.clone().into_turning());
+        let is_followed = matches!(&next.parts[..], [only] if both.goes_on_as(&only.given, from));
+        both.keep(if is_followed { f64::INFINITY } else { from }, since)?;
+        both = both.with_tolerance(tolerance)?;
+        if !is_followed {
+            next.keep(f64::INFINITY, from.next_up())?;
+            both.append(next.with_tolerance(tolerance)?, from);
         }
-        let mut parts = Turning::parts_until(&own, from, since);
-        let mut first = (!parts.is_empty()).then_some(from);
-        let is_passed = |part: &&OrientationPart| part.from.unwrap_or(f64::NEG_INFINITY) <= from;
-        let passed = other.iter().skip(1).take_while(is_passed).count();
-        for part in other.into_iter().skip(passed) {
-            let begin = first.take().or(part.from).filter(|_| !parts.is_empty());
-            parts.push(OrientationPart {
-                from: begin,
-                given: part.given,
-            });
-        }
-        Self::of_parts(parts, tolerance, &known)
+        Ok(Self::of_turning(both))
     }
 
     /// Returns an instant (s) from which on an orientation may be followed.
@@ -284,34 +272,21 @@ impl Orientation {
         }
     }
 
-    fn parts(&self) -> Vec<OrientationPart> {
-        match &self.turning {
-            Some(turning) => turning.parts.clone(),
-            None => vec![OrientationPart {
-                from: None,
-                given: GivenRotation::Fixed,
-            }],
-        }
+    fn into_turning(self) -> Turning {
+        self.turning.map_or_else(Turning::fixed, |turning| *turning)
     }
 
     fn of(given: GivenRotation) -> Result<Self, Error> {
-        Self::of_parts(vec![OrientationPart { from: None, given }], None, &[])
+        let turning = Turning::of(vec![OrientationPart { from: None, given }], None)?;
+        Ok(Self::of_turning(turning))
     }
 
-    /// Returns the orientation of these parts, cut for this tolerance; see [`Turning::of`].
-    fn of_parts(
-        parts: Vec<OrientationPart>,
-        tolerance: Option<f64>,
-        known: &[&Turning],
-    ) -> Result<Self, Error> {
-        let turning = Turning::of(parts, tolerance, known)?;
-        let is_fixed = turning
-            .parts
-            .iter()
-            .all(|part| part.given == GivenRotation::Fixed);
-        Ok(Self {
+    fn of_turning(turning: Turning) -> Self {
+        let mut parts = turning.parts.iter();
+        let is_fixed = parts.all(|part| part.given == GivenRotation::Fixed);
+        Self {
             turning: (!is_fixed).then(|| Box::new(turning)),
-        })
+        }
     }
 
     /// Returns the rotation from the body's axes to those of the world at `time` (s): a unit

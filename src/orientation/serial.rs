@@ -1,7 +1,7 @@
 //! Serialised orientations: the numbers as given.
 
 use super::Orientation;
-use super::turning::OrientationPart;
+use super::turning::{OrientationPart, Turning};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,7 @@ impl TryFrom<OrientationNumbers> for Orientation {
                 Some(tolerance) => Self::FIXED.with_tolerance(tolerance),
             };
         }
-        Self::of_parts(parts, tolerance, &[])
+        Turning::of(parts, tolerance).map(Self::of_turning)
     }
 }
 

@@ -56,26 +56,17 @@ impl Orientation {
         from: f64,
         since: f64,
     ) -> Result<bool, Error> {
-        let turning = self.turning.as_deref_mut();
-        if let Some(turning) = turning.filter(|turning| turning.has_one_piece_a_part()) {
-            return Ok(turning.follow_spin(spin, without_negative_zero(from), since));
-        }
-        let next = Self::of(spin.given())?;
-        let both = self.followed_by(&next, from, since)?;
-        let is_changed = *self != both;
-        *self = both;
-        Ok(is_changed)
+        let turning = self
+            .turning
+            .get_or_insert_with(|| Box::new(Turning::fixed()));
+        turning.follow_spin(spin, without_negative_zero(from), since)
     }
 
     /// Replaces the whole orientation by a spin. The tolerance, if there is one, stays.
     pub(crate) fn set_spin(&mut self, spin: &ToldSpin) {
-        let turning = self.turning.get_or_insert_with(|| {
-            Box::new(Turning {
-                parts: Vec::with_capacity(1),
-                tolerance: None,
-                pieces: Vec::with_capacity(1),
-            })
-        });
+        let turning = self
+            .turning
+            .get_or_insert_with(|| Box::new(Turning::fixed()));
         turning.parts.clear();
         turning.pieces.clear();
         turning.append_spin(spin, None);
@@ -91,44 +82,16 @@ impl Turning {
         prefetch(&self.pieces[..self.pieces.len().min(USUAL)]);
     }
 
-    /// Returns true if each part is one piece: all of them are held, or spins.
-    fn has_one_piece_a_part(&self) -> bool {
-        let is_one = |part: &OrientationPart| match part.given {
-            GivenRotation::Fixed | GivenRotation::Spin { .. } => true,
-            GivenRotation::Slerp { .. } | GivenRotation::NormalizedCubic { .. } => false,
-        };
-        self.parts.len() == self.pieces.len() && self.parts.iter().all(is_one)
-    }
-
-    /// Does what [`Orientation::followed_by`] does, with a spin, if each part is one piece.
-    fn follow_spin(&mut self, spin: &ToldSpin, from: f64, since: f64) -> bool {
-        let given = spin.given();
-        let is_followed = self.parts.last().is_some_and(|last| {
-            last.given.is_same_as(&given) && last.from.is_none_or(|begin| begin <= from)
-        });
-        let until = if is_followed { f64::INFINITY } else { from };
-        // They are in time order: some at the beginning go, and some at the end.
+    /// Does the work of [`Orientation::follow_spin`].
+    fn follow_spin(&mut self, spin: &ToldSpin, from: f64, since: f64) -> Result<bool, Error> {
+        let is_followed = self.goes_on_as(&spin.given(), from);
         let before = self.parts.len();
-        let is_kept =
-            |&number: &usize| Self::followed_within(&self.parts, number, until, since).is_some();
-        let first = (0..before).find(is_kept).unwrap_or(before);
-        let kept = (first..before).take_while(is_kept).count();
-        self.parts.truncate(first + kept);
-        self.pieces.truncate(first + kept);
-        if let Some(last) = self.pieces.last_mut() {
-            last.end = last.end.min(until);
-        }
-        self.parts.drain(..first);
-        self.pieces.drain(..first);
-        if let (Some(part), Some(piece)) = (self.parts.first_mut(), self.pieces.first_mut()) {
-            part.from = None;
-            piece.start = f64::NEG_INFINITY;
-        }
+        self.keep(if is_followed { f64::INFINITY } else { from }, since)?;
+        let kept = self.parts.len();
         if !is_followed {
-            let begin = (kept > 0).then_some(from);
-            self.append_spin(spin, begin);
+            self.append_spin(spin, (kept > 0).then_some(from));
         }
-        !is_followed || kept < before
+        Ok(!is_followed || kept < before)
     }
 
     /// Appends a spin from an instant (s) on, or from the beginning of time.
@@ -189,12 +152,19 @@ mod tests {
                 let expected = orientation.followed_by(&next, from, since).unwrap();
                 let is_change = orientation != expected;
                 let turning = orientation.turning.as_ref();
-                in_place += usize::from(turning.is_some_and(|one| one.has_one_piece_a_part()));
+                let is_in_place =
+                    |one: &Turning| one.parts.iter().all(|part| part.given.is_one_piece());
+                in_place += usize::from(turning.is_some_and(|one| is_in_place(one)));
                 let spin = ToldSpin::new(time, rotation, velocity).unwrap();
                 let mut replaced = orientation.clone();
                 replaced.set_spin(&spin);
                 let tolerance = orientation.turning().and_then(|one| one.tolerance);
-                let whole = Orientation::of_parts(next.parts(), tolerance, &[]).unwrap();
+                let whole = next
+                    .clone()
+                    .into_turning()
+                    .with_tolerance(tolerance)
+                    .map(Orientation::of_turning)
+                    .unwrap();
                 assert_eq!(all_of(&replaced), all_of(&whole));
                 let changed = orientation.follow_spin(&spin, from, since).unwrap();
                 assert_eq!(all_of(&orientation), all_of(&expected));

@@ -1,5 +1,6 @@
 //! Turning motions: pieces in time order, and the cubics that stand in for them.
 
+use super::arc::Arc;
 use super::baked::BakedRotation;
 use super::given::GivenRotation;
 use super::piece::{RotationPiece, set_of};
@@ -48,12 +49,21 @@ impl Turning {
     /// Tolerances that can be set: what rounding, and a cubic, allow.
     const TOLERANCES: RangeInclusive<f64> = 1e-9..=0.1;
 
-    /// Returns the motion of these parts. Cuts of cubics that known motions have are not searched for again.
-    pub(super) fn of(
-        parts: Vec<OrientationPart>,
-        tolerance: Option<f64>,
-        known: &[&Self],
-    ) -> Result<Self, Error> {
+    /// Returns the motion of a body that does not turn.
+    pub(super) fn fixed() -> Self {
+        let piece = RotationPiece::forever(Arc::held(DQuat::IDENTITY), [0.0; 2]);
+        Self {
+            parts: vec![OrientationPart {
+                from: None,
+                given: GivenRotation::Fixed,
+            }],
+            tolerance: None,
+            pieces: vec![piece],
+        }
+    }
+
+    /// Returns the motion of these parts.
+    pub(super) fn of(parts: Vec<OrientationPart>, tolerance: Option<f64>) -> Result<Self, Error> {
         if let Some(value) = tolerance.filter(|value| !Self::TOLERANCES.contains(value)) {
             return Err(Error::Tolerance { value });
         }
@@ -64,15 +74,8 @@ impl Turning {
         };
         let tolerances = turning.tolerances();
         for (number, part) in turning.parts.iter().enumerate() {
-            let start = part.from.unwrap_or(f64::NEG_INFINITY);
-            let next = turning.parts.get(number + 1).and_then(|next| next.from);
-            let end = next.unwrap_or(f64::INFINITY);
-            let known = known.iter().filter(|one| one.tolerance == tolerance);
-            let kept = known
-                .filter(|_| part.given.has_searched_cuts())
-                .find_map(|one| one.pieces_within(&part.given, (start, end)));
-            let pieces = kept.map_or_else(|| part.given.pieces(tolerances), Ok)?;
-            for mut piece in pieces {
+            let (start, end) = turning.interval(number);
+            for mut piece in part.given.pieces(tolerances)? {
                 piece.start = piece.start.max(start);
                 piece.end = piece.end.min(end);
                 if piece.start < piece.end {
@@ -83,25 +86,12 @@ impl Turning {
         Ok(turning)
     }
 
-    /// Returns the pieces of a rotation as given, if it is followed at least between two instants (s).
-    fn pieces_within(
-        &self,
-        given: &GivenRotation,
-        (start, end): (f64, f64),
-    ) -> Option<Vec<RotationPiece>> {
-        let followed = |number: usize| {
-            let part = self.parts.get(number).filter(|part| part.given == *given);
-            part.and_then(|_| {
-                Self::followed_within(&self.parts, number, f64::INFINITY, f64::NEG_INFINITY)
-            })
-        };
-        let mut intervals = (0..self.parts.len()).filter_map(followed);
-        let (from, to) = intervals.find(|&(from, to)| from <= start && end <= to)?;
-        let own = self
-            .pieces
-            .iter()
-            .filter(|piece| from <= piece.start && piece.end <= to);
-        Some(own.cloned().collect())
+    /// Returns the motion cut for another tolerance.
+    pub(super) fn with_tolerance(self, tolerance: Option<f64>) -> Result<Self, Error> {
+        if self.tolerance == tolerance {
+            return Ok(self);
+        }
+        Self::of(self.parts, tolerance)
     }
 
     /// Returns the motion with another rule for the time outside the knots.
@@ -110,7 +100,7 @@ impl Turning {
         for part in &mut parts {
             part.given.set_outside(outside);
         }
-        Self::of(parts, self.tolerance, &[])
+        Self::of(parts, self.tolerance)
     }
 
     /// Returns the tolerances of both sets of cuts.
@@ -188,36 +178,69 @@ impl Turning {
         self.pieces[section.piece].bake(ends, largest)
     }
 
-    /// Returns when a part is followed (s) if the motion is left at `until` (s); `None` if it never is, or only before
-    /// `since` (s).
-    pub(super) fn followed_within(
-        parts: &[OrientationPart],
-        number: usize,
-        until: f64,
-        since: f64,
-    ) -> Option<(f64, f64)> {
-        let next = parts.get(number + 1).and_then(|next| next.from);
-        let end = next.unwrap_or(f64::INFINITY).min(until);
-        let start = parts[number].from.unwrap_or(f64::NEG_INFINITY);
-        (start < end && end >= since).then_some((start, end))
+    /// Returns when a part is followed (s).
+    fn interval(&self, number: usize) -> (f64, f64) {
+        let next = self.parts.get(number + 1).and_then(|next| next.from);
+        let start = self.parts[number].from.unwrap_or(f64::NEG_INFINITY);
+        (start, next.unwrap_or(f64::INFINITY))
     }
 
-    /// Returns the parts of a motion that is left at `until` (s) for another one, without those that
-    /// end before `since` (s).
-    pub(super) fn parts_until(
-        parts: &[OrientationPart],
-        until: f64,
-        since: f64,
-    ) -> Vec<OrientationPart> {
-        let mut kept: Vec<OrientationPart> = Vec::new();
-        for (number, part) in parts.iter().enumerate() {
-            if Self::followed_within(parts, number, until, since).is_some() {
-                kept.push(part.clone());
+    /// Returns true if the motion goes on from an instant (s) as a rotation that is given.
+    pub(super) fn goes_on_as(&self, given: &GivenRotation, from: f64) -> bool {
+        let last = self.parts.last();
+        last.is_some_and(|last| {
+            last.given.is_same_as(given) && last.from.is_none_or(|begin| begin <= from)
+        })
+    }
+
+    /// Drops the parts that are followed from `until` (s) on alone, and those that end before `since` (s). The first
+    /// one that stays is followed from the beginning of time.
+    pub(super) fn keep(&mut self, until: f64, since: f64) -> Result<(), Error> {
+        // They are in time order: some at the beginning go, and some at the end.
+        let is_kept = |&number: &usize| {
+            let (start, end) = self.interval(number);
+            start < end.min(until) && end.min(until) >= since
+        };
+        let count = self.parts.len();
+        let first = (0..count).find(is_kept).unwrap_or(count);
+        let kept = (first..count).take_while(is_kept).count();
+        self.parts.truncate(first + kept);
+        self.parts.drain(..first);
+        let begin = match self.parts.first_mut() {
+            Some(part) => part.from.take().unwrap_or(f64::NEG_INFINITY),
+            None => f64::INFINITY,
+        };
+        if begin.is_finite() && !self.parts[0].given.is_one_piece() {
+            // Some pieces may lie before.
+            self.pieces = Self::of(self.parts.clone(), self.tolerance)?.pieces;
+        } else {
+            self.pieces.retain(|piece| piece.start >= begin);
+            if let Some(piece) = self.pieces.first_mut() {
+                piece.start = f64::NEG_INFINITY;
             }
         }
-        if let Some(first) = kept.first_mut() {
-            first.from = None;
-        }
-        kept
+        self.end_at(until);
+        Ok(())
+    }
+
+    fn end_at(&mut self, until: f64) {
+        self.pieces.retain_mut(|piece| {
+            piece.end = piece.end.min(until);
+            piece.start < piece.end
+        });
+    }
+
+    /// Appends a motion that is followed from an instant (s) on, or from the beginning of time if there is no other.
+    pub(super) fn append(&mut self, mut next: Self, from: f64) {
+        self.end_at(from);
+        let from = (!self.parts.is_empty()).then_some(from);
+        next.parts[0].from = from;
+        self.parts.append(&mut next.parts);
+        let begin = from.unwrap_or(f64::NEG_INFINITY);
+        let pieces = next.pieces.into_iter().filter(|piece| piece.end > begin);
+        self.pieces.extend(pieces.map(|mut piece| {
+            piece.start = piece.start.max(begin);
+            piece
+        }));
     }
 }
