@@ -1,7 +1,6 @@
 //! Shares of a shape: each ball answers for the part of the shape in its power cell.
 
 use super::surface::{ClipScratch, OrientedPlane, Surface};
-use crate::parallel;
 use glam::DVec3;
 
 /// Distance by which the half-spaces of cells are moved outward, in units of the order of the shape.
@@ -18,20 +17,24 @@ pub(super) struct CellScratch {
     pub(super) share: Surface,
     clip: ClipScratch,
     /// The balls whose radical planes cut the share.
-    pub(super) cut_by: Vec<usize>,
+    cut_by: Vec<usize>,
     /// Other balls by the distance of the radical plane.
     order: Vec<(f64, usize)>,
 }
 
-impl CellScratch {
-    /// Forms the share of one of the balls of a surface. The share contains all points of the surface,
-    /// and of the volume that it bounds, whose power with respect to this ball is the least.
-    pub(super) fn form(&mut self, surface: &Surface, own: usize, balls: &[(DVec3, f64)]) {
-        self.form_without(surface, own, balls, |_| false);
-    }
+/// What is known of the share of a ball.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Share {
+    /// Largest distance from the ball's centre, `None` without a share.
+    pub(super) reach: Option<f64>,
+    /// The balls without which the share would be larger.
+    pub(super) cut_by: Vec<usize>,
+}
 
-    /// Forms the share as if some of the other balls were not there.
-    pub(super) fn form_without(
+impl CellScratch {
+    /// Forms the share of one of the balls of a surface, as if some of the other balls were not there. The share contains
+    /// all points of the surface, and of the volume that it bounds, whose power with respect to this ball is the least.
+    pub(super) fn form(
         &mut self,
         surface: &Surface,
         own: usize,
@@ -70,36 +73,30 @@ impl CellScratch {
         }
     }
 
-    /// Returns the radius that a ball needs to contain its share of a surface, `None` without a share, as if some of the
-    /// other balls were not there.
-    pub(super) fn needed(
+    /// Returns the share of one of the balls of some surfaces, as if some of the other balls were not there.
+    pub(super) fn share(
         &mut self,
-        surface: &Surface,
+        surfaces: &[Surface],
         own: usize,
         balls: &[(DVec3, f64)],
-        is_absent: impl Fn(usize) -> bool,
-    ) -> Option<f64> {
-        self.form_without(surface, own, balls, is_absent);
-        let has_share = !self.share.points.is_empty();
-        has_share.then(|| self.share.farthest(balls[own].0) + 4.0 * OUTWARD)
+        is_absent: impl Fn(usize) -> bool + Copy,
+    ) -> Share {
+        let mut share = Share::default();
+        for surface in surfaces {
+            self.form(surface, own, balls, is_absent);
+            if !self.share.points.is_empty() {
+                let reach = self.share.farthest(balls[own].0);
+                share.reach = Some(share.reach.map_or(reach, |other| other.max(reach)));
+            }
+            share.cut_by.extend(&self.cut_by);
+        }
+        share
     }
 }
 
-/// Returns the radius that each ball needs to contain its share of some surfaces, `None` without a
-/// share.
-pub(super) fn needed_radii(surfaces: &[Surface], balls: &[(DVec3, f64)]) -> Vec<Option<f64>> {
-    let one = |scratch: &mut CellScratch, own: usize| {
-        let mut needed: Option<f64> = None;
-        for surface in surfaces {
-            let of_surface = scratch.needed(surface, own, balls, |_| false);
-            needed = larger(needed, of_surface);
-        }
-        needed
-    };
-    parallel::map(balls.len(), CellScratch::default, one)
-}
-
-/// Returns the larger one of two radii, if there is one.
-pub(super) fn larger(one: Option<f64>, other: Option<f64>) -> Option<f64> {
-    one.into_iter().chain(other).reduce(f64::max)
+impl Share {
+    /// Returns the radius that the ball needs to contain the share, `None` without a share.
+    pub(super) fn needed(&self) -> Option<f64> {
+        self.reach.map(|reach| reach + 4.0 * OUTWARD)
+    }
 }

@@ -1,9 +1,10 @@
 //! The last word on a cover: radii that are proven, and their overshoot.
 
-use super::cells::needed_radii;
+use super::cells::CellScratch;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use crate::count::{as_f64, whole};
+use crate::parallel;
 use glam::DVec3;
 
 /// Balls that contain a solid.
@@ -75,7 +76,9 @@ pub(super) fn certify(
     };
     for _ in 0..ROUNDS {
         let mut balls = weighted(centres, &heights, expected);
-        let needed = needed_radii(surfaces, &balls);
+        let needed = parallel::map(balls.len(), CellScratch::default, |scratch, ball| {
+            scratch.share(surfaces, ball, &balls, |_| false).needed()
+        });
         let mut overshoot = f64::NEG_INFINITY;
         for ((ball, needed), height) in balls.iter_mut().zip(&needed).zip(&heights) {
             if let Some(needed) = needed {

@@ -1,6 +1,6 @@
 //! Moving centres until the overshoot is locally least.
 
-use super::cells::CellScratch;
+use super::cells::{CellScratch, Share};
 use super::nearest::Nearest;
 use super::points::{Points, Samples};
 use super::random::Random;
@@ -201,35 +201,24 @@ impl DescentScratch {
         }
     }
 
-    fn reach(&self, ball: usize) -> f64 {
-        self.cell.share.farthest(self.balls[ball].0) + self.heights[ball].0
-    }
-
     fn losses_of_surfaces(&mut self, surfaces: &[Surface]) -> Vec<f64> {
-        let count = self.balls.len();
-        let mut losses = vec![0.0_f64; count];
-        for surface in surfaces {
-            // The overshoot of each ball, and whose loss would change that.
-            let mut own = vec![f64::NEG_INFINITY; count];
-            let mut cut_by = vec![Vec::new(); count];
-            for ball in 0..count {
-                self.cell.form(surface, ball, &self.balls);
-                if !self.cell.share.points.is_empty() {
-                    own[ball] = self.reach(ball);
-                }
-                cut_by[ball].clone_from(&self.cell.cut_by);
-            }
+        let (cell, balls) = (&mut self.cell, &self.balls[..]);
+        let mut losses = vec![0.0_f64; balls.len()];
+        // One by one: a share is found again on the surfaces alone where it is larger.
+        for surface in surfaces.chunks(1) {
+            let each = (0..balls.len()).map(|ball| cell.share(surface, ball, balls, |_| false));
+            let shares: Vec<Share> = each.collect();
             for (lost, loss) in losses.iter_mut().enumerate() {
-                for ball in (0..count).filter(|&ball| ball != lost) {
-                    let mut overshoot = own[ball];
-                    if cut_by[ball].contains(&lost) {
-                        self.cell
-                            .form_without(surface, ball, &self.balls, |other| other == lost);
-                        if !self.cell.share.points.is_empty() {
-                            overshoot = self.reach(ball);
-                        }
+                for (ball, share) in shares.iter().enumerate().filter(|(ball, _)| *ball != lost) {
+                    let reach = if share.cut_by.contains(&lost) {
+                        cell.share(surface, ball, balls, |other| other == lost)
+                            .reach
+                    } else {
+                        share.reach
+                    };
+                    if let Some(reach) = reach {
+                        *loss = loss.max(reach + self.heights[ball].0);
                     }
-                    *loss = loss.max(overshoot);
                 }
             }
         }
@@ -266,7 +255,7 @@ impl DescentScratch {
     fn share_surfaces(&mut self, surfaces: &[Surface]) {
         for ball in 0..self.balls.len() {
             for surface in surfaces {
-                self.cell.form(surface, ball, &self.balls);
+                self.cell.form(surface, ball, &self.balls, |_| false);
                 let centre = self.balls[ball].0;
                 let demands = self.cell.share.points.iter().map(|&point| Demand {
                     ball,

@@ -1,20 +1,11 @@
 //! Balls that a cover does not need.
 
-use super::cells::{CellScratch, larger};
+use super::cells::{CellScratch, Share};
 use super::certificate::{Certified, spare, weighted};
 use super::solid::Solid;
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
-
-/// The share of a ball.
-#[derive(Clone, Debug)]
-struct Share {
-    /// Radius that the share needs, `None` without a share.
-    needed: Option<f64>,
-    /// The balls without which the share would be larger.
-    cut_by: Vec<usize>,
-}
 
 /// Balls by which surfaces are divided, and what is known of them.
 struct Division<'a> {
@@ -34,9 +25,8 @@ pub(super) fn without_needless(
 ) -> Certified {
     let division = Division::of(solid, surfaces, &certified);
     let count = certified.balls.len();
-    let all = |_: usize| false;
     let mut shares = parallel::map(count, CellScratch::default, |scratch, ball| {
-        division.share(scratch, ball, all)
+        scratch.share(surfaces, ball, &division.balls, |_| false)
     });
     let limit = certified.overshoot;
     let can_go = parallel::map(count, CellScratch::default, |scratch, ball| {
@@ -69,7 +59,7 @@ pub(super) fn without_needless(
         ..certified
     };
     for ball in (0..count).filter(|&ball| !gone[ball]) {
-        if let Some(needed) = shares[ball].needed {
+        if let Some(needed) = shares[ball].needed() {
             let radius = needed + division.spare;
             kept.balls.push((division.balls[ball].0, radius));
             kept.overshoot = kept.overshoot.max(radius + division.heights[ball]);
@@ -94,25 +84,6 @@ impl<'a> Division<'a> {
         }
     }
 
-    /// Returns the share of a ball as if some others were not there.
-    fn share(
-        &self,
-        scratch: &mut CellScratch,
-        own: usize,
-        is_absent: impl Fn(usize) -> bool + Copy,
-    ) -> Share {
-        let mut share = Share {
-            needed: None,
-            cut_by: Vec::new(),
-        };
-        for surface in self.surfaces {
-            let needed = scratch.needed(surface, own, &self.balls, is_absent);
-            share.needed = larger(share.needed, needed);
-            share.cut_by.extend(&scratch.cut_by);
-        }
-        share
-    }
-
     /// Returns the shares that are larger without a ball, and without others that have gone; `None` if a ball would
     /// reach out farther than the limit.
     fn shares_without(
@@ -126,9 +97,9 @@ impl<'a> Division<'a> {
         let is_larger = |&other: &usize| !is_absent(other) && shares[other].cut_by.contains(&ball);
         let larger = (0..shares.len()).filter(is_larger);
         let larger = larger.map(|other| {
-            let share = self.share(scratch, other, is_absent);
+            let share = scratch.share(self.surfaces, other, &self.balls, is_absent);
             let reach = |needed: f64| needed + self.spare + self.heights[other];
-            let is_within = share.needed.is_none_or(|needed| reach(needed) <= limit);
+            let is_within = share.needed().is_none_or(|needed| reach(needed) <= limit);
             is_within.then_some((other, share))
         });
         larger.collect()

@@ -352,7 +352,7 @@ fn farthest_out(surface: &Surface, balls: &[(DVec3, f64)], spare: f64) -> Option
     };
     let mut worst = (f64::NEG_INFINITY, None);
     for (own, &(centre, radius)) in balls.iter().enumerate() {
-        scratch.form(surface, own, balls);
+        scratch.form(surface, own, balls, |_| false);
         for &point in &scratch.share.points {
             if point.distance(centre) + spare + SHARES > radius {
                 let out = out(point);
