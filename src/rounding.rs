@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | points of states, lines, polynomials: error, extent, underflow | `trajectory/segment`, `build` | `segment/tests.rs` |
 //! | 2^-100 of what cancels in a polynomial | `trajectory/build` | `segment::tests::points_of_polynomials_that_vanish` |
-//! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `segment::tests::lines_at_the_ends_of_polynomials` |
+//! | errors of a line where a polynomial ends: position, velocity | `trajectory/build` | `end_cubic::tests` |
 //! | points of legs | `trajectory/segment` | `curves::tests::legs_are_straight` |
 //! | points of curves: origin, displacements | `trajectory/curves/bezier` | `curves::tests` |
 //! | velocities of end motions of curves | `trajectory/curves` | proof 8 |

@@ -41,6 +41,11 @@ impl Exact {
         products.fold(RBig::ZERO, |sum, product| sum + product)
     }
 
+    /// Returns the length, rounded.
+    pub(crate) fn length(&self) -> f64 {
+        DVec3::from_array(self.0.each_ref().map(|x| x.to_f64().value())).length()
+    }
+
     /// Returns true if the coordinate along a normal of any length is within `error` of `found`.
     pub(crate) fn is_at_height(&self, normal: DVec3, found: &RBig, error: f64) -> bool {
         let error = number(error);

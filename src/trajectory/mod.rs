@@ -7,6 +7,8 @@ mod curves;
 mod cuts;
 mod double_double;
 mod end_cubic;
+#[cfg(test)]
+mod exact_cubic;
 mod extension;
 mod fit;
 mod front_gap;

@@ -41,7 +41,7 @@ impl Keyframe {
         }
     }
 
-    const fn arriving(&self) -> State {
+    pub(super) const fn arriving(&self) -> State {
         State {
             time: self.time,
             position: self.position,
@@ -49,7 +49,7 @@ impl Keyframe {
         }
     }
 
-    const fn leaving(&self) -> State {
+    pub(super) const fn leaving(&self) -> State {
         State {
             velocity: self.out_tangent,
             ..self.arriving()

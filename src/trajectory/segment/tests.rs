@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::rounding::exact::{Exact, number, vector};
+use crate::trajectory::exact_cubic::{between_states, of_polynomial};
 use crate::trajectory::{TimeBase, Trajectory};
 use dashu::rational::RBig;
 use rand::rngs::ChaCha8Rng;
@@ -60,11 +61,8 @@ fn points_between_states() {
             second.velocity = -(second.position - first.position);
         }
         let segment = made(Segment::hermite(&first, &second, 1));
-        let third = (number(second.time) - number(first.time)) / RBig::from(3);
-        let leave = Exact::of(first.velocity).times(&third);
-        let arrive = Exact::of(second.velocity).times(&third);
-        let end = Exact::of(second.position).minus(&Exact::of(first.position));
-        let exact = [Exact::of(DVec3::ZERO), leave, end.minus(&arrive), end];
+        let origin = Exact::of(first.position);
+        let exact = between_states(&first, &second).map(|point| point.minus(&origin));
         assert_points(&segment, &exact);
     }
 }
@@ -150,35 +148,6 @@ fn points_of_parts() {
     }
 }
 
-/// Returns a polynomial's exact control points between two knots; its variable starts at `shift`.
-fn exact_points(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 2]) -> [Exact; 4] {
-    let at = |share: u8| {
-        let lasting = number(knots[1]) - number(knots[0]);
-        number(shift) + lasting * RBig::from(share) / RBig::from(3)
-    };
-    // The blossom at three instants: products of all, of two, of one, of none.
-    let blossom = |x: &RBig, y: &RBig, z: &RBig| {
-        let three = RBig::from(3);
-        let factors = [
-            x * y * z,
-            (x * y + y * z + z * x) / &three,
-            (x + y + z) / &three,
-            RBig::ONE,
-        ];
-        let terms = coefficients.iter().zip(&factors);
-        terms.fold(Exact::of(DVec3::ZERO), |sum, (coefficient, factor)| {
-            sum.plus(&Exact::of(*coefficient).times(factor))
-        })
-    };
-    let (start, end) = (at(0), at(3));
-    [
-        blossom(&start, &start, &start),
-        blossom(&start, &start, &end),
-        blossom(&start, &end, &end),
-        blossom(&end, &end, &end),
-    ]
-}
-
 /// Polynomials in absolute time, also far from the origin, and with terms that cancel.
 #[test]
 fn points_of_polynomials() {
@@ -204,7 +173,7 @@ fn points_of_polynomials() {
             unreachable!("all is finite")
         };
         let shift = if base == TimeBase::Absolute { far } else { 0.0 };
-        let exact = exact_points(&coefficients, shift, knots);
+        let exact = of_polynomial(&coefficients, shift, knots);
         let segment = &motion.segments()[0];
         assert_within(segment, segment.control_points(), exact, segment.error());
     }
@@ -236,46 +205,10 @@ fn points_of_polynomials_that_vanish() {
         let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
         let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
         let segment = &motion.segments()[0];
-        let exact = exact_points(&coefficients, begin, knots);
+        let exact = of_polynomial(&coefficients, begin, knots);
         assert_within(segment, segment.control_points(), exact, segment.error());
     }
     assert!(vanishing > 500, "{vanishing}");
-}
-
-/// A body continues straight where a polynomial ends; its position and velocity there are rounded.
-#[test]
-fn lines_at_the_ends_of_polynomials() {
-    let mut rng = ChaCha8Rng::seed_from_u64(6);
-    for round in 0..20_000 {
-        let unit = [1.0, 1e-3][round % 2];
-        let knots = [0.0, 1.0].map(|time| time + unit * rng.random_range(0.0..1.0));
-        let mut coefficients = [0; 4].map(|_| vector(&mut rng, 1.0));
-        if round % 3 == 0 {
-            // Nearly at rest at its end, far from the origin.
-            let [a, b, c, _] = &mut coefficients;
-            *c = -(*a * 3.0 * knots[1] + *b * 2.0) * knots[1];
-        }
-        let motion = Trajectory::from_coefficients(&knots, &[coefficients], TimeBase::Absolute);
-        let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
-        let end_motions = [motion.end_motion_before(), motion.end_motion_after()];
-        for (line, knot) in end_motions.into_iter().zip(knots) {
-            let line = line.straight();
-            let time = number(knot);
-            let [a, b, c, d] = coefficients.each_ref().map(|x| Exact::of(*x));
-            let linear = b.plus(&a.times(&time)).times(&time).plus(&c);
-            let position = linear.times(&time).plus(&d);
-            let (twice, thrice) = (RBig::from(2), RBig::from(3));
-            let velocity = b.times(&twice).plus(&a.times(&thrice).times(&time));
-            let velocity = velocity.times(&time).plus(&c);
-            let whole = line.restrict(line.start(), line.end());
-            let lasting = (number(line.end()) - number(line.start())) / RBig::from(3);
-            let exact = [0_u8, 1, 2, 3].map(|count| {
-                let way = velocity.times(&(&lasting * RBig::from(count)));
-                way.plus(&position)
-            });
-            assert_within(&line, whole.points, exact, whole.error);
-        }
-    }
 }
 
 /// A line with the position and velocity of a cubic at an instant is off by their rounding: far from the origin, and

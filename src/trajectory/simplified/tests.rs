@@ -3,6 +3,7 @@
 use super::distance;
 use crate::error::Error;
 use crate::rounding::exact::{Exact, number};
+use crate::trajectory::exact_cubic::between_states;
 use crate::trajectory::{Fit, Outside, Segment, State, TimeBase, Trajectory};
 use dashu::rational::RBig;
 use glam::DVec3;
@@ -25,15 +26,6 @@ fn flight(rate: u32, start: f64, far: f64) -> Vec<State> {
     (0..=60 * rate).map(state).collect()
 }
 
-/// Returns the exact cubic between two states.
-fn hermite(from: &State, to: &State) -> [Exact; 4] {
-    let third = (number(to.time) - number(from.time)) / RBig::from(3);
-    let [p, q] = [from, to].map(|state| Exact::of(state.position));
-    let leave = Exact::of(from.velocity).times(&third);
-    let arrive = Exact::of(to.velocity).times(&third);
-    [p.clone(), p.plus(&leave), q.minus(&arrive), q]
-}
-
 /// Returns the exact place between two instants on a cubic.
 fn place(points: &[Exact; 4], time: &RBig, from: f64, to: f64) -> Exact {
     let share = (time - number(from)) / (number(to) - number(from));
@@ -46,7 +38,7 @@ fn is_within(fit: &Fit, states: &[State], factor: f64) -> bool {
     let plan = &fit.trajectory;
     let limit = number(fit.error()) * number(factor);
     states.windows(2).all(|pair| {
-        let exact = hermite(&pair[0], &pair[1]);
+        let exact = between_states(&pair[0], &pair[1]);
         let after = plan.knots().partition_point(|&knot| knot <= pair[0].time);
         let segment = &plan.segments()[after - 1];
         let origin = Exact::of(segment.origin());

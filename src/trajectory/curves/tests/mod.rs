@@ -7,7 +7,7 @@ mod refused;
 use super::Keyframe;
 use crate::error::Error;
 use crate::rounding::exact::{Exact, number, vector};
-use crate::trajectory::{Outside, Segment, State, Trajectory};
+use crate::trajectory::{Outside, Segment, State, Trajectory, exact_cubic};
 use dashu::rational::RBig;
 use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
@@ -58,47 +58,8 @@ fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
 
 /// Asserts the end motions of a plan whose first and last cubic have these control points.
 fn assert_ends(plan: &Trajectory, first: &[Exact; 4], last: &[Exact; 4]) {
-    let on = plan.clone().with_outside(Outside::Extrapolate);
-    let knots = plan.knots();
-    let intervals = [
-        (knots[0], knots[1]),
-        (knots[knots.len() - 2], knots[knots.len() - 1]),
-    ];
-    let motions = [on.segment_before(), on.segment_after()];
-    let knots = [intervals[0].0, intervals[1].1];
-    for place in [0, 1] {
-        let (exact, interval, motion) = ([first, last][place], intervals[place], motions[place]);
-        for durations in [0.5, 2.5] {
-            let way = [-1.0, 1.0][place] * durations * (interval.1 - interval.0);
-            let far = knots[place] + way;
-            let ends = [knots[place].min(far), knots[place].max(far)];
-            let shares = ends.map(|time| share(time, interval));
-            let part = motion.restrict(ends[0], ends[1]);
-            for (number, point) in part.points.into_iter().enumerate() {
-                let off = Exact::of(motion.origin())
-                    .plus(&Exact::of(point))
-                    .minus(&Exact::blossom(exact, number, &shares));
-                assert!(off.is_within(part.error), "{motion:?} {off:?}");
-            }
-        }
-    }
-    // At one velocity from the knot on.
-    for (place, motion) in [plan.end_motion_before(), plan.end_motion_after()]
-        .into_iter()
-        .enumerate()
-    {
-        let (line, exact) = (motion.straight(), [first, last][place]);
-        let lasting = number(intervals[place].1) - number(intervals[place].0);
-        let whole = line.restrict(line.start(), line.end());
-        let step = exact[2 * place + 1].minus(&exact[2 * place]);
-        let third = (number(line.end()) - number(line.start())) / lasting;
-        for (count, point) in (0_u8..).zip(whole.points) {
-            let meant = exact[3 * place].plus(&step.times(&(&third * RBig::from(count))));
-            let off = Exact::of(line.origin())
-                .plus(&Exact::of(point))
-                .minus(&meant);
-            assert!(off.is_within(whole.error), "{line:?} {off:?}");
-        }
+    for durations in [0.5, 2.5] {
+        exact_cubic::assert_ends(plan, first, last, durations);
     }
 }
 
@@ -191,13 +152,7 @@ fn keyframes_with_two_tangents() {
         let plan = made(Trajectory::from_keyframes(&frames));
         let exact: Vec<[Exact; 4]> = frames
             .windows(2)
-            .map(|pair| {
-                let [p, q] = [&pair[0], &pair[1]].map(|frame| Exact::of(frame.position));
-                let third = (number(pair[1].time) - number(pair[0].time)) / RBig::from(3);
-                let leave = Exact::of(pair[0].out_tangent).times(&third);
-                let arrive = Exact::of(pair[1].in_tangent).times(&third);
-                [p.clone(), p.plus(&leave), q.minus(&arrive), q]
-            })
+            .map(|pair| exact_cubic::between_states(&pair[0].leaving(), &pair[1].arriving()))
             .collect();
         for (segment, exact) in plan.segments().iter().zip(&exact) {
             assert_points(segment, exact);
