@@ -116,24 +116,10 @@ impl<'a> Knots<'a> {
         }
     }
 
-    /// Returns the end of a cubic, s, or `None` if there is no such cubic.
+    /// Returns the end of a cubic (s), if there is one of this number.
     #[inline(always)]
-    pub(crate) fn end<const UNLISTED: bool>(&self, cubic: usize) -> Option<f64> {
-        if UNLISTED {
-            (cubic < self.cubics()).then(|| self.at(cubic + 1))
-        } else {
-            self.own.get(cubic + 1).copied()
-        }
-    }
-
-    /// Returns the start of a cubic, s.
-    #[inline(always)]
-    pub(crate) fn start<const UNLISTED: bool>(&self, cubic: usize) -> f64 {
-        if UNLISTED {
-            self.at(cubic)
-        } else {
-            self.own[cubic]
-        }
+    pub(crate) fn end(&self, cubic: usize) -> Option<f64> {
+        (cubic < self.cubics()).then(|| self.at(cubic + 1))
     }
 
     /// Returns cubic number `number`, or `None` if it is one of the plan's own.

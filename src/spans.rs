@@ -107,29 +107,16 @@ pub(crate) fn spans<'k>(a: &'k Knots<'k>, b: &'k Knots<'k>, from: f64, to: f64) 
     spans_from(a, b, (first(a), first(b)), from, to)
 }
 
-/// Calls `visit` with each of the [`spans`]. The search starts from a cubic of each body that must
-/// not be later than the first one that overlaps the interval.
+/// Returns the [`spans`], searched from a cubic of each body that must not be later than the first one that overlaps the
+/// interval.
 #[inline]
-pub(crate) fn each_span(
-    (a, b): (&Knots<'_>, &Knots<'_>),
-    hints: (u32, u32),
-    (from, to): (f64, f64),
-    visit: impl FnMut(Span),
-) {
-    if a.has_unlisted_cubics() || b.has_unlisted_cubics() {
-        spans_from::<true>(a, b, hints, from, to).for_each(visit);
-    } else {
-        spans_from::<false>(a, b, hints, from, to).for_each(visit);
-    }
-}
-
-fn spans_from<'k, const UNLISTED: bool>(
+pub(crate) fn spans_from<'k>(
     a: &'k Knots<'k>,
     b: &'k Knots<'k>,
     hints: (u32, u32),
     from: f64,
     to: f64,
-) -> Spans<'k, UNLISTED> {
+) -> Spans<'k> {
     let mut spans = Spans {
         a,
         b,
@@ -141,8 +128,8 @@ fn spans_from<'k, const UNLISTED: bool>(
     match common_domain(a, b) {
         Some((start, end)) if start < end => {
             let from = from.max(start);
-            spans.i = skip::<UNLISTED>(a, spans.i, from);
-            spans.j = skip::<UNLISTED>(b, spans.j, from);
+            spans.i = skip(a, spans.i, from);
+            spans.j = skip(b, spans.j, from);
         }
         shared => {
             // Only a single shared instant gives a span of no duration: every cubic lasts.
@@ -161,16 +148,16 @@ fn spans_from<'k, const UNLISTED: bool>(
 }
 
 /// Returns the first cubic, from `cubic` on, that does not end before `from`.
-fn skip<const UNLISTED: bool>(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
-    while knots.end::<UNLISTED>(cubic).is_some_and(|end| end < from) {
+fn skip(knots: &Knots<'_>, mut cubic: usize, from: f64) -> usize {
+    while knots.end(cubic).is_some_and(|end| end < from) {
         cubic += 1;
     }
     cubic
 }
 
-/// Iterator over [`spans`]. `UNLISTED` is required of knots that [have unlisted cubics](Knots::has_unlisted_cubics).
+/// Iterator over [`spans`].
 #[derive(Clone, Debug)]
-pub(crate) struct Spans<'k, const UNLISTED: bool = true> {
+pub(crate) struct Spans<'k> {
     a: &'k Knots<'k>,
     b: &'k Knots<'k>,
     /// Current cubics.
@@ -180,7 +167,7 @@ pub(crate) struct Spans<'k, const UNLISTED: bool = true> {
     single_instant: Option<Span>,
 }
 
-impl<const UNLISTED: bool> Iterator for Spans<'_, UNLISTED> {
+impl Iterator for Spans<'_> {
     type Item = Span;
 
     fn next(&mut self) -> Option<Span> {
@@ -188,10 +175,10 @@ impl<const UNLISTED: bool> Iterator for Spans<'_, UNLISTED> {
             return Some(single_instant);
         }
         loop {
-            let a_end = self.a.end::<UNLISTED>(self.i)?;
-            let b_end = self.b.end::<UNLISTED>(self.j)?;
-            let start = self.a.start::<UNLISTED>(self.i);
-            let start = start.max(self.b.start::<UNLISTED>(self.j));
+            let a_end = self.a.end(self.i)?;
+            let b_end = self.b.end(self.j)?;
+            let start = self.a.at(self.i);
+            let start = start.max(self.b.at(self.j));
             let end = a_end.min(b_end);
             if start > self.to {
                 return None;

@@ -10,7 +10,7 @@ use crate::bounds::{FatLine, HullTest};
 use crate::broad_phase::Candidate;
 use crate::narrow_phase::{approaching, keep_approaching, may_touch};
 use crate::simd::prefetch;
-use crate::spans::{Span, SpanKey, each_span};
+use crate::spans::{Span, SpanKey, spans_from};
 use crate::window::Window;
 use std::slice::from_ref;
 
@@ -170,14 +170,15 @@ impl CandidateRefiner {
             let [a, b] = near.bodies;
             let (knots_a, knots_b) = (bodies.knots(a), bodies.knots(b));
             let (hints, interval) = (near.hints.into(), near.interval);
-            each_span((&knots_a, &knots_b), hints, interval, |span| {
+            let (from, to) = interval;
+            for span in spans_from(&knots_a, &knots_b, hints, from, to) {
                 self.spans.push(PairSpan {
                     a,
                     b,
                     span,
                     interval,
                 });
-            });
+            }
         }
     }
 
