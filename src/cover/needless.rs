@@ -23,7 +23,14 @@ pub(super) fn without_needless(
     surfaces: &[Surface],
     certified: Certified,
 ) -> Certified {
-    let division = Division::of(solid, surfaces, &certified);
+    let centres: Vec<DVec3> = certified.balls.iter().map(|&(centre, _)| centre).collect();
+    let heights = solid.certain_distances(&centres);
+    let division = Division {
+        surfaces,
+        balls: weighted(&centres, &heights, certified.expected),
+        heights,
+        spare: spare(solid),
+    };
     let count = certified.balls.len();
     let mut shares = parallel::map(count, CellScratch::default, |scratch, ball| {
         scratch.share(surfaces, ball, &division.balls, |_| false)
@@ -72,18 +79,7 @@ pub(super) fn without_needless(
     }
 }
 
-impl<'a> Division<'a> {
-    fn of(solid: &Solid, surfaces: &'a [Surface], certified: &Certified) -> Self {
-        let centres: Vec<DVec3> = certified.balls.iter().map(|&(centre, _)| centre).collect();
-        let heights = solid.certain_distances(&centres);
-        Self {
-            surfaces,
-            balls: weighted(&centres, &heights, certified.expected),
-            heights,
-            spare: spare(solid),
-        }
-    }
-
+impl Division<'_> {
     /// Returns the shares that are larger without a ball, and without others that have gone; `None` if a ball would
     /// reach out farther than the limit.
     fn shares_without(
