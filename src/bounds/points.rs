@@ -159,10 +159,10 @@ mod tests {
                 // The straight motion through both, and what both velocities add to it.
                 _ => {
                     let [from, to] = [first, last].map(|state| state.position[axis]);
-                    let rate = quotient(DoubleDouble::difference(to, from), duration);
+                    let rate = DoubleDouble::difference(to, from).quotient(duration);
                     let (s, r) = (
-                        quotient(since(first), duration),
-                        quotient(since(last), duration),
+                        since(first).quotient(duration),
+                        since(last).quotient(duration),
                     );
                     let [leave, arrive] =
                         [first, last].map(|state| exact(state.velocity[axis]) + exact(-1.0) * rate);
@@ -176,13 +176,6 @@ mod tests {
             };
             DVec3::from_array([0, 1, 2].map(in_frame))
         }
-    }
-
-    /// Returns the quotient, to a relative error of some 2^-100.
-    fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
-        let first = DoubleDouble::from(a.rounded() / b.rounded());
-        let rest = a + DoubleDouble::from(-1.0) * first * b;
-        first + DoubleDouble::from(rest.rounded() / b.rounded())
     }
 
     /// Returns the pieces in a frame around them, and the slices between some instants.

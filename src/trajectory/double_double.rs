@@ -47,7 +47,7 @@ impl DoubleDouble {
     }
 
     /// Returns the quotient, to 2^-100 of itself.
-    pub(super) fn quotient(self, other: Self) -> Self {
+    pub(crate) fn quotient(self, other: Self) -> Self {
         let high = self.high / other.high;
         let rest = self + (other * Self::from(high)).negated();
         Self::renormalised(high, rest.high / other.high)

@@ -1,6 +1,6 @@
 //! Cubics in exact arithmetic, and end motions against them, for tests of error bounds.
 
-use super::{Outside, State, Trajectory};
+use super::{Outside, Segment, State, Trajectory};
 use crate::rounding::UNIT_ROUNDOFF;
 use crate::rounding::exact::{Exact, number};
 use dashu::rational::RBig;
@@ -39,6 +39,20 @@ pub(super) fn of_polynomial(coefficients: &[DVec3; 4], shift: f64, knots: [f64; 
         blossom(&start, &end, &end),
         blossom(&end, &end, &end),
     ]
+}
+
+/// Asserts that points from the origin of a segment are within an error of exact ones.
+pub(super) fn assert_within<const N: usize>(
+    segment: &Segment,
+    points: [DVec3; N],
+    exact: &[Exact; N],
+    error: f64,
+) {
+    let origin = Exact::of(segment.origin());
+    for (point, exact) in points.into_iter().zip(exact) {
+        let off = origin.plus(&Exact::of(point)).minus(exact);
+        assert!(off.is_within(error), "{segment:?} {off:?}");
+    }
 }
 
 /// Asserts that the end motions of a plan are within their errors, on the first piece and that many durations away. Returns

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::rounding::exact::{Exact, number, vector};
-use crate::trajectory::exact_cubic::{between_states, of_polynomial};
+use crate::trajectory::exact_cubic::{assert_within, between_states, of_polynomial};
 use crate::trajectory::{TimeBase, Trajectory};
 use dashu::rational::RBig;
 use rand::rngs::ChaCha8Rng;
@@ -31,15 +31,6 @@ fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
         let off = Exact::of(point).minus(exact);
         assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
         assert_near(point, segment);
-    }
-}
-
-/// Asserts that points from the origin of a segment are within an error of exact ones.
-fn assert_within(segment: &Segment, points: [DVec3; 4], exact: [Exact; 4], error: f64) {
-    let origin = Exact::of(segment.origin());
-    for (point, exact) in points.into_iter().zip(exact) {
-        let off = origin.plus(&Exact::of(point)).minus(&exact);
-        assert!(off.is_within(error), "{segment:?} {off:?}");
     }
 }
 
@@ -175,7 +166,7 @@ fn points_of_polynomials() {
         let shift = if base == TimeBase::Absolute { far } else { 0.0 };
         let exact = of_polynomial(&coefficients, shift, knots);
         let segment = &motion.segments()[0];
-        assert_within(segment, segment.control_points(), exact, segment.error());
+        assert_within(segment, segment.control_points(), &exact, segment.error());
     }
 }
 
@@ -206,7 +197,7 @@ fn points_of_polynomials_that_vanish() {
         let motion = motion.unwrap_or_else(|error| unreachable!("{error}"));
         let segment = &motion.segments()[0];
         let exact = of_polynomial(&coefficients, begin, knots);
-        assert_within(segment, segment.control_points(), exact, segment.error());
+        assert_within(segment, segment.control_points(), &exact, segment.error());
     }
     assert!(vanishing > 500, "{vanishing}");
 }
@@ -242,6 +233,6 @@ fn lines_from_within_cubics() {
         let whole = line.restrict(line.start(), line.end());
         let exact =
             [0_u8, 1, 2, 3].map(|count| way.times(&(&thirds * RBig::from(count))).plus(&position));
-        assert_within(&line, whole.points, exact, whole.error);
+        assert_within(&line, whole.points, &exact, whole.error);
     }
 }

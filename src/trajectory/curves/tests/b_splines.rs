@@ -3,6 +3,7 @@
 use super::{ROUNDS, assert_ends, assert_points, made, points, share, times};
 use crate::rounding::exact::{Exact, number};
 use crate::trajectory::Trajectory;
+use crate::trajectory::exact_cubic::assert_within;
 use dashu::rational::RBig;
 use glam::DVec3;
 use rand::rngs::ChaCha8Rng;
@@ -50,10 +51,7 @@ fn assert_places(plan: &Trajectory, at: impl Fn(usize, f64, &RBig) -> Exact) {
             let part = segment.restrict(time, time);
             // Short of the end, where the next segment begins.
             let meant = at(piece, time, &share(time, interval));
-            let off = Exact::of(segment.origin())
-                .plus(&Exact::of(part.points[0]))
-                .minus(&meant);
-            assert!(off.is_within(part.error), "{time} {segment:?} {off:?}");
+            assert_within(segment, [part.points[0]], &[meant], part.error);
         }
         let size = segment.origin().length() + segment.extent();
         assert!(

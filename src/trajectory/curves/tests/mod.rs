@@ -43,12 +43,7 @@ fn share(time: f64, (from, to): (f64, f64)) -> RBig {
 
 /// Asserts the error of a segment's control points, and that it is some roundings.
 fn assert_points(segment: &Segment, exact: &[Exact; 4]) {
-    for (point, exact) in segment.control_points().into_iter().zip(exact) {
-        let off = Exact::of(segment.origin())
-            .plus(&Exact::of(point))
-            .minus(exact);
-        assert!(off.is_within(segment.error()), "{segment:?} {off:?}");
-    }
+    exact_cubic::assert_within(segment, segment.control_points(), exact, segment.error());
     let size = segment.origin().length() + segment.extent();
     assert!(
         segment.error() <= 4.0 * f64::EPSILON * size + 1e-300,
