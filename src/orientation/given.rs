@@ -129,20 +129,11 @@ pub(super) fn spin_arc(time: f64, rotation: DQuat, angular_velocity: DVec3) -> R
 
 /// Returns the rate at the first (0) or last (1) knot of a cubic, as a motion from no rotation at 0 s.
 fn rate_at_end(cubic: &QuaternionCubic, end: usize) -> Arc {
-    let velocity = cubic.end_velocities()[end];
-    let angle = norm(velocity);
     let (start, finish) = cubic.ends;
-    let still = Arc {
-        duration: finish - start,
-        ..Arc::held(DQuat::IDENTITY)
-    };
-    if angle < f64::MIN_POSITIVE {
-        return still;
-    }
     Arc {
-        axis: velocity / angle,
-        angle,
-        ..still
+        duration: finish - start,
+        drift: 0.0,
+        ..Arc::spin(0.0, DQuat::IDENTITY, cubic.end_velocities()[end])
     }
 }
 
