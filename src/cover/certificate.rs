@@ -1,6 +1,7 @@
 //! The last word on a cover: radii that are proven, and their overshoot.
 
 use super::cells::CellScratch;
+use super::form::SolidForm;
 use super::solid::{Solid, SolidPart};
 use super::surface::Surface;
 use crate::count::{as_f64, whole};
@@ -29,24 +30,20 @@ const MAX_POINTS: f64 = 40_000.0;
 
 /// Returns surfaces around the parts, as fine as a proof deserves.
 pub(super) fn fine_surfaces(solid: &Solid) -> Vec<Surface> {
-    let is_capped = |points: usize| points > 4 * 64 + 1;
-    let coarse = solid.surfaces(64);
-    let round = solid.parts.iter().zip(&coarse);
-    let round = round.filter(|(part, _)| part.is_round());
-    let capped = round.filter(|(_, surface)| is_capped(surface.points.len()));
+    let is_capped = |part: &SolidPart| {
+        let SolidPart::Convex(convex) = part else {
+            return false;
+        };
+        matches!(convex.form(), SolidForm::Capsule { .. })
+    };
+    let capped = solid.parts.iter().filter(|part| is_capped(part));
     let parts = as_f64(capped.count().max(1));
     // A capped part has a quarter of the square of its sides as points.
     let sides = (4.0 * MAX_POINTS / parts).sqrt().clamp(32.0, 1024.0);
     let sides = whole(sides).div_ceil(4) * 4;
-    let each = solid.parts.iter().zip(coarse);
-    each.map(|(part, surface)| {
-        if !part.is_round() {
-            return surface;
-        }
-        let is_capped = is_capped(surface.points.len());
-        part.surface(if is_capped { sides } else { 1024 })
-    })
-    .collect()
+    let each = solid.parts.iter();
+    each.map(|part| part.surface(if is_capped(part) { sides } else { 1024 }))
+        .collect()
 }
 
 /// Returns what radii are enlarged by, in all.
