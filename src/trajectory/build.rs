@@ -1,7 +1,7 @@
 //! Constructors of trajectories, with all validation.
 
 use super::cuts::DoublingCuts;
-use super::double_double::{DoubleDouble, taylor_shift};
+use super::double_double::{DoubleDouble, largest_power, size_of_terms, taylor_shift};
 use super::front_gap::FrontGapVec;
 use super::straight::StraightMotion;
 use super::{Outside, Segment, SegmentLists, State, Storage, Trajectory, end_cubic};
@@ -348,11 +348,9 @@ fn polynomial_segment(
             *coefficient,
         )?;
     }
-    let size = |time: f64| {
-        let [a, b, c, d] = polynomial.map(norm);
-        let time = time.abs();
-        ((a * time + b) * time + c) * time + d
-    };
+    let [a, b, c, d] = *polynomial;
+    let constant_first = [d, c, b, a];
+    let size = |time: f64| size_of_terms(&constant_first, time.abs());
     let (shift, of_origin, terms, farthest) = match base {
         TimeBase::Absolute => {
             let farthest = start.abs() + (end - start);
@@ -364,9 +362,9 @@ fn polynomial_segment(
     let mut origin = DVec3::ZERO;
     let mut control_points = [DVec3::ZERO; 3];
     for axis in 0..3 {
-        let [a, b, c, d] = polynomial.map(|coefficient| DoubleDouble::from(coefficient[axis]));
+        let given = constant_first.map(|coefficient| DoubleDouble::from(coefficient[axis]));
         // To the segment's own time, then to its own unit.
-        let [position, c, b, a] = taylor_shift([d, c, b, a], |&term| term * shift);
+        let [position, c, b, a] = taylor_shift(given, |&term| term * shift);
         let linear = c * duration;
         let quadratic = b * duration * duration;
         let cubic = a * duration * duration * duration;
@@ -376,15 +374,7 @@ fn polynomial_segment(
         control_points[2][axis] = (linear + quadratic + cubic).rounded();
     }
     // Products of times and a coefficient multiply what another product lost by underflow.
-    let farthest = farthest.max(1.0);
-    let growth = [
-        farthest * farthest * farthest,
-        farthest * farthest,
-        farthest,
-        1.0,
-    ];
-    let leading = polynomial.iter().position(|one| *one != DVec3::ZERO);
-    let underflow = UNDERFLOW * 64.0 * leading.map_or(1.0, |place| growth[place]);
+    let underflow = UNDERFLOW * 64.0 * largest_power(&constant_first, farthest);
     // One rounding of the origin where it was computed, one (and a third's) of each point, and
     // 2^-100 of everything that was added up, which covers the double-double arithmetic.
     let of_points = 4.0 * UNIT_ROUNDOFF * largest_norm(&control_points);

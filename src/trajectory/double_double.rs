@@ -4,7 +4,8 @@
 //! J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 //! predicates", 1997, for [`Expansion`]. Only run when a trajectory is built, never in a query.
 
-use crate::rounding::two_sum;
+use crate::rounding::{norm, two_sum};
+use glam::DVec3;
 use std::ops::{Add, Mul};
 
 /// An unevaluated sum of two f64, the second at most half an ulp of the first.
@@ -124,6 +125,27 @@ pub(super) fn taylor_shift<T: Clone + Add<Output = T>, const N: usize>(
         }
     }
     coefficients
+}
+
+/// Returns a bound of the sum of the terms' absolute values of a polynomial, the constant first, at all times up to
+/// `farthest` (s) from its origin (m).
+pub(super) fn size_of_terms(coefficients: &[DVec3], farthest: f64) -> f64 {
+    let sizes = coefficients.iter().rev().copied().map(norm);
+    sizes.fold(0.0, |sum, size| sum * farthest + size)
+}
+
+/// Returns the largest power of the time that a polynomial, the constant first, multiplies its coefficients by, up to
+/// `farthest` (s) from its origin, and at least 1: what a product lost by underflow grows by no more.
+pub(super) fn largest_power(coefficients: &[DVec3], farthest: f64) -> f64 {
+    let farthest = farthest.max(1.0);
+    let (mut power, mut largest) = (1.0, 1.0);
+    for coefficient in coefficients {
+        if *coefficient != DVec3::ZERO {
+            largest = power;
+        }
+        power *= farthest;
+    }
+    largest
 }
 
 /// An exact sum of f64 that do not overlap, by increasing size.

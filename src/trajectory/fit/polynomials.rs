@@ -6,6 +6,7 @@ use super::place::{checked_tolerance, place_knots};
 use super::reduction::{COEFFICIENTS, PositionPolynomial};
 use crate::error::{Error, MAX_MAGNITUDE, Quantity};
 use crate::trajectory::build::{check_vector, checked_knots};
+use crate::trajectory::double_double::size_of_terms;
 use crate::trajectory::{TimeBase, Trajectory};
 use glam::DVec3;
 
@@ -99,8 +100,7 @@ fn checked_polynomial(
         TimeBase::Absolute => 0.0,
         TimeBase::SegmentLocal => start,
     };
-    let polynomial = PositionPolynomial::new(coefficients, origin);
-    let value = polynomial.size((start - origin).abs() + (end - start));
+    let value = size_of_terms(&coefficients, (start - origin).abs() + (end - start));
     if value.is_nan() || value > MAX_MAGNITUDE {
         return Err(Error::OutOfRange {
             knot,
@@ -108,5 +108,5 @@ fn checked_polynomial(
             value,
         });
     }
-    Ok(polynomial)
+    Ok(PositionPolynomial::new(coefficients, origin))
 }

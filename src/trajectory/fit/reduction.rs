@@ -3,7 +3,7 @@
 use super::place::PieceError;
 use crate::rounding::{UNDERFLOW, UNIT_ROUNDOFF, norm};
 use crate::trajectory::Segment;
-use crate::trajectory::double_double::{DoubleDouble, taylor_shift};
+use crate::trajectory::double_double::{DoubleDouble, largest_power, size_of_terms, taylor_shift};
 use glam::DVec3;
 
 /// Number of coefficients of a polynomial of degree 7.
@@ -28,26 +28,6 @@ impl PositionPolynomial {
             coefficients,
             origin,
         }
-    }
-
-    /// Returns a bound of the sum of the terms' absolute values at all times up to `farthest` (s) from the origin (m).
-    pub(super) fn size(&self, farthest: f64) -> f64 {
-        let sizes = self.coefficients.iter().rev().copied().map(norm);
-        sizes.fold(0.0, |sum, size| sum * farthest + size)
-    }
-
-    /// Returns the largest power of the time that the polynomial multiplies its coefficients by, up to `farthest` (s) from
-    /// the origin, and at least 1: what a product lost by underflow grows by no more.
-    fn largest_power(&self, farthest: f64) -> f64 {
-        let farthest = farthest.max(1.0);
-        let (mut power, mut largest) = (1.0, 1.0);
-        for coefficient in &self.coefficients {
-            if *coefficient != DVec3::ZERO {
-                largest = power;
-            }
-            power *= farthest;
-        }
-        largest
     }
 
     /// Returns the cubic that agrees with the polynomial in position and velocity at both ends of a part (s), and its
@@ -102,8 +82,8 @@ impl PositionPolynomial {
         // The coefficients are rounded, then the points of the segment, then what is returned of it.
         let rounding = UNIT_ROUNDOFF * (3.0 * constant + 16.0 * extent)
             + Segment::EVALUATION * extent
-            + DOUBLE_DOUBLE * self.size(farthest)
-            + UNDERFLOW * 64.0 * self.largest_power(farthest);
+            + DOUBLE_DOUBLE * size_of_terms(&self.coefficients, farthest)
+            + UNDERFLOW * 64.0 * largest_power(&self.coefficients, farthest);
         let error = PieceError::of(remainder(high), rounding, tolerance);
         (cubic, error)
     }
