@@ -3,19 +3,6 @@
 use glam::{DQuat, DVec3};
 use std::slice::from_mut;
 
-/// A place and a direction of parry's, in f64. The quaternion is taken for its direction.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
-    pub(super) rotation: DQuat,
-    pub(super) translation: DVec3,
-}
-
-impl Placement {
-    fn point(&self, point: DVec3) -> DVec3 {
-        self.rotation * point + self.translation
-    }
-}
-
 /// A convex body of revolution with a straight side: a cylinder, or a cone whose upper radius is 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Round {
@@ -138,7 +125,7 @@ impl SolidForm {
     }
 
     /// Turns and moves the form. Returns a bound of the sums that were rounded, 0 if none was.
-    pub(super) fn place(&mut self, placement: &Placement) -> f64 {
+    pub(super) fn place(&mut self, rotation: DQuat, translation: DVec3) -> f64 {
         // A ball at its own origin only moves.
         let local = match self {
             Self::Capsule { ends, .. } => ends[0].length().max(ends[1].length()),
@@ -148,13 +135,13 @@ impl SolidForm {
             }
         };
         for point in self.points_mut() {
-            *point = placement.point(*point);
+            *point = rotation * *point + translation;
         }
         if let Self::Round(round) = self {
-            round.axis = (placement.rotation * round.axis).normalize();
+            round.axis = (rotation * round.axis).normalize();
         }
         if local > 0.0 {
-            local + placement.translation.length()
+            local + translation.length()
         } else {
             0.0
         }

@@ -1,7 +1,7 @@
 //! Shapes of parry3d, read into forms of f64.
 
 use super::error::CoverError;
-use super::form::{Placement, Round, SolidForm};
+use super::form::{Round, SolidForm};
 use super::solid::Solid;
 use glam::{DQuat, DVec3};
 use parry3d::math::Pose;
@@ -15,8 +15,8 @@ pub(super) fn read(shape: &dyn Shape) -> Result<Solid, CoverError> {
     if let TypedShape::Compound(compound) = typed {
         for (pose, part) in compound.shapes() {
             let mut form = form(&part.as_typed_shape())?;
-            let placement = placement(pose).ok_or(CoverError::InvalidShape { kind })?;
-            let rounded = form.place(&placement);
+            let rotation = rotation(pose).ok_or(CoverError::InvalidShape { kind })?;
+            let rounded = form.place(rotation, pose.translation.as_dvec3());
             forms.push((form, rounded));
         }
     } else {
@@ -69,13 +69,11 @@ fn form(typed: &TypedShape<'_>) -> Result<SolidForm, CoverError> {
     })
 }
 
-fn placement(pose: &Pose) -> Option<Placement> {
+/// Returns the rotation of a pose in f64: its quaternion is taken for its direction.
+fn rotation(pose: &Pose) -> Option<DQuat> {
     let rotation = DQuat::from_array(pose.rotation.to_array().map(f64::from));
     let length = rotation.length();
-    (length.is_finite() && length > 0.0).then(|| Placement {
-        rotation: rotation.normalize(),
-        translation: pose.translation.as_dvec3(),
-    })
+    (length.is_finite() && length > 0.0).then(|| rotation.normalize())
 }
 
 fn polyhedron(hull: &ConvexPolyhedron) -> SolidForm {
