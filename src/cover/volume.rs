@@ -264,29 +264,6 @@ impl LineGrid {
 mod tests {
     use super::*;
 
-    /// Rows of equal balls, with shares much thinner than the balls, in any direction.
-    #[test]
-    fn volumes_of_rows() {
-        for count in [2, 10, 100, 1_000] {
-            for direction in [DVec3::X, DVec3::Z, DVec3::new(0.6, 0.48, 0.64)] {
-                let balls: Vec<(DVec3, f64)> = (0..count)
-                    .map(|number| {
-                        (
-                            direction * (20.0 * as_f64(number) / as_f64(count - 1)),
-                            1.01,
-                        )
-                    })
-                    .collect();
-                let gap = 20.0 / as_f64(count - 1);
-                let up_to = |height: f64| PI * (1.01 * 1.01 * height - height.powi(3) / 3.0);
-                let (half, radius) = (f64::min(gap / 2.0, 1.01), 1.01);
-                let expected = 2.0 * up_to(radius) + 2.0 * as_f64(count - 1) * up_to(half);
-                let ratio = of_balls(&balls) / expected;
-                assert!((ratio - 1.0).abs() < 3e-4, "{count} {direction}: {ratio}");
-            }
-        }
-    }
-
     /// A lattice of balls in a cube: the whole cube, and caps of the outer ones.
     #[test]
     fn volumes_of_lattices() {
