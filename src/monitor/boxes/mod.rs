@@ -246,7 +246,9 @@ mod tests {
                 assert!(stayed || boxes.resort_count() != order);
                 reordered += u32::from(!stayed);
             }
+            let order = boxes.resort_count();
             boxes.move_to(&moved);
+            reordered += boxes.resort_count() - order;
             for _ in 0..200 {
                 let asked = random_box(&mut rng);
                 let body = BodyBox {
