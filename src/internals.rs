@@ -12,7 +12,7 @@
 //!    the knots are twice as long each time (`DoublingCuts`). A *straight motion* is a trajectory from one state. A *plan* is any
 //!    trajectory, or one that is no straight motion where both are named. A body that *turns* has a rotation.
 //!    - A state that the caller gives is *told*. Where states are told each frame, a straight motion is
-//!      *replaced* by another one in place: the trajectory keeps its few *recent motions*. The facts that a new
+//!      *replaced* by another one in place: the trajectory keeps its few *recent motions*, or many. The facts that a new
 //!      motion is checked against are its `LastMotion`.
 //!    - A change holds `from` an instant on. Pieces and spins that end before `since` (`forget_before`) are
 //!      dropped. A *late* plan is to be followed from before the clock: see `Monitor::replan`.

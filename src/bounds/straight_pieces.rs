@@ -7,7 +7,7 @@ use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
 use crate::count::short;
-use crate::trajectory::{StraightMotion, Trajectory};
+use crate::trajectory::{StraightMotion, Trajectory, count_at_end};
 use parry3d::bounding_volume::Aabb;
 use std::ops::RangeInclusive;
 
@@ -128,12 +128,17 @@ impl<'a> StraightPieces<'a> {
         &self,
         slice_interval: &SliceInterval<MOVES>,
     ) -> (usize, usize) {
+        /// Pieces that are gone through one by one.
+        const FEW: usize = 8;
         let ends = &self.knots[1..self.motions.len()];
         // A piece that ends as the slice begins counts with its last point, as one does that begins at its end.
-        let first = ends
-            .iter()
-            .take_while(|&&end| end < slice_interval.from)
-            .count();
+        let first = if ends.len() <= FEW {
+            ends.iter()
+                .take_while(|&&end| end < slice_interval.from)
+                .count()
+        } else {
+            count_before(ends, slice_interval.from)
+        };
         let later = ends[first..]
             .iter()
             .take_while(|&&end| end <= slice_interval.to);
@@ -153,6 +158,12 @@ impl<'a> StraightPieces<'a> {
     fn part(&self, number: usize, ends: (f64, f64)) -> StraightPart {
         StraightPart::new(&self.motions[number], ends, &self.placement.anchor)
     }
+}
+
+/// Returns the number of instants (s) before another one. Not part of the loop that forms boxes.
+#[inline(never)]
+fn count_before(instants: &[f64], time: f64) -> usize {
+    count_at_end(instants, |instant| instant < time)
 }
 
 #[cfg(test)]

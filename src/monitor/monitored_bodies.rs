@@ -114,12 +114,12 @@ impl MonitoredBody {
         }
     }
 
-    /// Returns true if a motion certainly [replaces](Trajectory::replace_checked) the last one at an instant (s), after
-    /// what ended before another one (s) is dropped, and is followed over `window` then.
+    /// Returns true if a motion certainly [replaces](Trajectory::replace_checked) the last one at an instant (s), and is
+    /// followed over `window` then.
     #[inline]
-    fn is_replaced_by(&self, motion: &StraightMotion, times: (f64, f64), window: Window) -> bool {
+    fn is_replaced_by(&self, motion: &StraightMotion, from: f64, window: Window) -> bool {
         let (starts, far) = ((self.ends.0, window.start()), Self::far_end(window));
-        self.beyond.0 == 0 && self.last.is_replaced_by(motion, times, starts, far)
+        self.beyond.0 == 0 && self.last.is_replaced_by(motion, from, starts, far)
     }
 
     /// Follows a plan beyond its knots up to an instant (s), if its knots do not reach that far; and then far beyond
@@ -282,11 +282,11 @@ impl MonitoredBodies {
         &self,
         slot: u32,
         motion: &StraightMotion,
-        times: (f64, f64),
+        from: f64,
         window: Window,
     ) -> bool {
         let monitored = self.by_slot.get(slot as usize).and_then(Option::as_ref);
-        monitored.is_some_and(|monitored| monitored.is_replaced_by(motion, times, window))
+        monitored.is_some_and(|monitored| monitored.is_replaced_by(motion, from, window))
     }
 
     /// Takes another padding of the body in a slot.

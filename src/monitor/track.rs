@@ -33,8 +33,8 @@ impl Monitor {
     /// - A state is late if `now` lies before the clock of the last tick. The body then follows it from the instant
     ///   given by the rule at [`replan`](Self::replan): later than `now` if its motion at `now` was forgotten.
     /// - The last state of a body that is named twice counts.
-    /// - Between two ticks it may be called several times, as by an engine that takes several steps. From the fifth call for a
-    ///   body on, and for states more than 6 s ahead of `now`, a call takes ten times as long.
+    /// - Between two ticks it may be called several times, as by an engine that takes several steps, and `now` may lie ahead of
+    ///   the clock. A call takes longer for a body that keeps more than six of its motions: up to three times as long.
     /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///
     /// States that came through `f32` are off by a different rounding each frame. Two bodies that stay at a margin
@@ -190,7 +190,6 @@ impl Monitor {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
         let few = (told.ids.len(), CommandBatch::FEW);
-        let times = (now, context.forget_before);
         let monitored = &self.search.monitored;
         let ToldMotions {
             ids,
@@ -208,7 +207,7 @@ impl Monitor {
                 }
                 let (id, motion) = (ids[place], &motions[place]);
                 *is_replaced = self.scene.has(id)
-                    && monitored.is_replaced(id.slot, motion, times, context.window);
+                    && monitored.is_replaced(id.slot, motion, now, context.window);
             }
         });
     }

@@ -54,6 +54,11 @@ impl<T: Copy, const EXTRA: usize> FrontGapVec<T, EXTRA> {
         }
     }
 
+    /// Keeps the first `count` entries.
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.all.truncate(self.first + count);
+    }
+
     pub(super) fn extra(&self) -> &[T] {
         &self.all[..EXTRA]
     }
@@ -79,6 +84,10 @@ impl<T: Copy, const EXTRA: usize> FrontGapVec<T, EXTRA> {
             self.first = EXTRA;
             self.all.splice(EXTRA..rest, new.take(count));
         }
+    }
+
+    pub(super) fn all_mut(&mut self) -> &mut [T] {
+        self.front_mut(self.len())
     }
 
     pub(super) fn front_mut(&mut self, count: usize) -> &mut [T] {

@@ -12,6 +12,8 @@ mod exact_cubic;
 mod extension;
 mod fit;
 mod front_gap;
+mod many_motions;
+mod motion_list;
 mod outside;
 mod recent_motions;
 mod rows;
@@ -23,6 +25,7 @@ mod simplified;
 mod splice;
 mod state;
 mod straight;
+mod told;
 
 pub use build::TimeBase;
 pub(crate) use build::{check_number, check_times};
@@ -42,6 +45,9 @@ pub(crate) use straight::StraightMotion;
 
 use crate::window::Window;
 use glam::DVec3;
+use many_motions::ManyMotions;
+use motion_list::MotionList;
+pub(crate) use motion_list::count_at_end;
 use recent_motions::RecentMotions;
 use segment_lists::SegmentLists;
 use std::fmt;
@@ -97,6 +103,8 @@ enum Storage {
     Straight(StraightMotion, [f64; 2]),
     /// A few straight motions, one after another, of a body whose state is told each frame.
     Recent(Box<RecentMotions>),
+    /// More of them.
+    Many(ManyMotions),
     /// Any other motion.
     Lists(SegmentLists),
 }
@@ -134,6 +142,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(..) => Outside::Coast,
             Storage::Recent(recent) => recent.before(),
+            Storage::Many(many) => many.before(),
             Storage::Lists(lists) => lists.before,
         }
     }
@@ -144,7 +153,7 @@ impl Trajectory {
     #[must_use]
     pub const fn outside_after(&self) -> Outside {
         match &self.storage {
-            Storage::Straight(..) | Storage::Recent(_) => Outside::Coast,
+            Storage::Straight(..) | Storage::Recent(_) | Storage::Many(_) => Outside::Coast,
             Storage::Lists(lists) => lists.after,
         }
     }
@@ -158,7 +167,7 @@ impl Trajectory {
     pub(crate) const fn straight(&self) -> Option<(&StraightMotion, [f64; 2])> {
         match &self.storage {
             Storage::Straight(motion, ends) => Some((motion, *ends)),
-            Storage::Recent(_) | Storage::Lists(_) => None,
+            Storage::Recent(_) | Storage::Many(_) | Storage::Lists(_) => None,
         }
     }
 
@@ -168,6 +177,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(_, ends) => ends,
             Storage::Recent(recent) => recent.piece_knots(),
+            Storage::Many(many) => many.piece_knots(),
             Storage::Lists(lists) => &lists.knots,
         }
     }
@@ -176,7 +186,7 @@ impl Trajectory {
     /// [straight motions](Self::straight_motions).
     pub(crate) fn cubics(&self) -> &[Segment] {
         match &self.storage {
-            Storage::Straight(..) | Storage::Recent(_) => &[],
+            Storage::Straight(..) | Storage::Recent(_) | Storage::Many(_) => &[],
             Storage::Lists(lists) => &lists.segments,
         }
     }
@@ -187,6 +197,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(motion, _) => from_ref(motion),
             Storage::Recent(recent) => recent.motions(),
+            Storage::Many(many) => many.motions(),
             Storage::Lists(_) => &[],
         }
     }
@@ -195,7 +206,7 @@ impl Trajectory {
     fn end_motion_before(&self) -> Segment {
         match &self.storage {
             Storage::Straight(motion, _) => motion.segment(),
-            Storage::Recent(recent) => recent.motions()[0].segment(),
+            Storage::Recent(_) | Storage::Many(_) => self.straight_motions()[0].segment(),
             Storage::Lists(lists) => lists.segments.extra()[0],
         }
     }
@@ -205,6 +216,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(motion, _) => motion.segment(),
             Storage::Recent(recent) => recent.last().segment(),
+            Storage::Many(many) => many.motions()[many.motions().len() - 1].segment(),
             Storage::Lists(lists) => lists.segments.extra()[1],
         }
     }
@@ -216,6 +228,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(motion, _) => from_ref(motion.start_ref()),
             Storage::Recent(recent) => recent.knots(),
+            Storage::Many(many) => &many.piece_knots()[..many.motions().len()],
             Storage::Lists(lists) => lists.knots(),
         }
     }
@@ -227,6 +240,7 @@ impl Trajectory {
         match &self.storage {
             Storage::Straight(..) => &[],
             Storage::Recent(recent) => recent.segments(),
+            Storage::Many(many) => many.segments(),
             Storage::Lists(lists) => lists.segments(),
         }
     }

@@ -70,20 +70,56 @@ impl SegmentLists {
         }
     }
 
-    /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does.
+    /// Replaces the motion as [`Trajectory::replace`](super::Trajectory::replace) does, from an instant after the first knot
+    /// on.
     pub(super) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
         self.drop_piece_after();
-        let end_motion = self.segments.extra()[1].straight();
-        let step = end_motion.end() - end_motion.start();
-        let last = self.knots[self.knots.len() - 1];
-        let cuts = DoublingCuts::of(last, step, from).but_last();
-        for knot in cuts.chain(once(without_negative_zero(from))) {
+        let from = without_negative_zero(from);
+        let before = self.knots.partition_point(|&knot| knot < from);
+        if before < self.knots.len() {
+            self.knots.truncate(before);
+            self.segments.truncate(before);
+        } else {
+            let end_motion = self.segments.extra()[1].straight();
+            let step = end_motion.end() - end_motion.start();
+            let last = self.knots[self.knots.len() - 1];
             self.segments.push(end_motion);
-            self.knots.push(knot);
+            for knot in DoublingCuts::of(last, step, from).but_last() {
+                self.knots.push(knot);
+                self.segments.push(end_motion);
+            }
         }
-        self.segments.put_extra(1, motion.segment());
+        self.knots.push(from);
+        let (start, line) = (motion.start(), motion.segment());
+        if from < start {
+            let ahead = DoublingCuts::of(start, -motion.duration(), from).but_last();
+            let first = self.knots.len();
+            for knot in once(start).chain(ahead) {
+                self.knots.push(knot);
+                self.segments.push(line);
+            }
+            // They come from the state's time backwards.
+            self.knots.all_mut()[first..].reverse();
+        }
+        self.segments.put_extra(1, line);
+        self.after = Outside::Coast;
         self.forget_before(since);
         self.add_piece_after();
+    }
+
+    /// Returns true if they hold straight motions, one after another, with the first piece of the last one.
+    pub(super) fn are_straight(&self) -> bool {
+        let motions = || self.segments.iter().map(StraightMotion::of);
+        let is = |motion: Option<Option<StraightMotion>>, end: Option<&Segment>| {
+            motion.flatten().map(|motion| motion.segment()).as_ref() == end
+        };
+        let [before, after] = [0, 1].map(|end| self.segments.extra().get(end));
+        // The end motion before counts also where the body is absent before: another rule may be set later.
+        self.has_piece_after
+            && self.before != Outside::Extrapolate
+            && motions().all(|motion| motion.is_some())
+            && is(motions().next(), before)
+            && is(motions().next_back(), after)
     }
 
     /// Drops the cubics that end before `time` (s), but for the last one.

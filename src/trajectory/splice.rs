@@ -1,13 +1,11 @@
 //! Changes of a plan from an instant on: the part before that instant stays, bit for bit.
 
 use super::cuts::DoublingCuts;
-use super::recent_motions::{LastMotion, RecentMotions};
 use super::segment_lists::{SegmentLists, count_at_front};
-use super::{Outside, Storage, StraightMotion, Trajectory};
+use super::{Outside, Storage, Trajectory};
 use crate::error::Error;
 use crate::rounding::without_negative_zero;
 use crate::simd::{prefetch, prefetch_first};
-use crate::window::Window;
 use std::iter::{once, repeat_n};
 use std::slice::from_ref;
 
@@ -103,15 +101,19 @@ impl Trajectory {
             let (time, (start, end)) = (from, old.domain().ends());
             return Err(Error::NoOldPlan { time, start, end });
         }
+        if self.follow_straight(old, from, since) {
+            return Ok(());
+        }
         self.check_goes_on_from(from)?;
         let knots_before = count_at_front(self.knots(), |knot| knot <= from);
         // Of the old plan: whole pieces, then the piece that is cut at `from`. Beyond its knots a plan goes on along
         // its end motion, which becomes a piece like any other.
-        let (old_knots, old_segments) = (old.knots(), old.segments());
+        let old_knots = old.knots();
+        let own = old_knots.len().saturating_sub(1);
         let old_count = count_at_front(old_knots, |knot| knot < from);
         // The end motion keeps its doubling cuts, so that what is solved there keeps its bits. Without cuts, a cubic
         // that is followed far from its knots would be examined as a whole.
-        let beyond = (old_count > old_segments.len()).then(|| old.segment_after());
+        let beyond = (old_count > own).then(|| old.segment_after());
         let mut cuts_after = DoublingCuts::NONE;
         if let (Some(end_motion), Some(&last)) = (&beyond, old_knots.last()) {
             end_motion.check_followable((last, from), old_knots.len() - 1)?;
@@ -134,8 +136,7 @@ impl Trajectory {
         let dropped = past.saturating_sub(1);
         let begins = begins.skip(dropped);
         let kept = begins.clone().count();
-        let own = old_segments.len();
-        let old_segments = old_segments[dropped.min(own)..old_count.min(own)].iter();
+        let old_segments = dropped.min(own)..old_count.min(own);
         // Of this plan: the piece that contains `from`, and all later ones.
         let goes_on = knots_before < self.knots().len();
         let present = match knots_before {
@@ -164,7 +165,7 @@ impl Trajectory {
             knots_before.min(lists.segments.len()),
             kept + to_come,
             old_segments
-                .copied()
+                .map(|number| old.own_segment(number))
                 .chain(beyond)
                 .chain(repeat_n(present, to_come)),
         );
@@ -179,109 +180,9 @@ impl Trajectory {
         lists.forget_before(since);
         if is_line {
             lists.add_piece_after();
-            if let Some(recent) = RecentMotions::of(lists) {
-                self.storage = Storage::Recent(Box::new(recent));
-            }
+            self.leave_lists();
         }
         Ok(())
-    }
-
-    /// Returns true if [`replace`](Self::replace) can be done, and the motion followed over `window` then.
-    pub(crate) fn can_replace(
-        &self,
-        (from, since): (f64, f64),
-        motion: &StraightMotion,
-        window: Window,
-    ) -> bool {
-        let knots = self.knots();
-        let (Some(&first), Some(&last), None) = (knots.first(), knots.last(), self.straight())
-        else {
-            return false;
-        };
-        let begins = self.outside_before() == Outside::Absent || first < window.start();
-        if !begins || self.outside_after() != Outside::Coast {
-            return false;
-        }
-        let start = motion.start();
-        if last >= from || start > from {
-            // Only where motions are not in lists.
-            let Storage::Recent(recent) = &self.storage else {
-                return false;
-            };
-            if recent.pieces_kept(from, motion, since).is_none() {
-                return false;
-            }
-        }
-        let number = knots.len();
-        let is_known = last >= from
-            || match self.straight_motions().last() {
-                Some(motion) => motion.check_followable((last, from), number - 1).is_ok(),
-                None => self
-                    .segment_after()
-                    .check_followable((last, from), number - 1)
-                    .is_ok(),
-            };
-        let mut reached = from.max(start);
-        is_known
-            && DoublingCuts::of(reached, motion.duration(), window.end().next_up()).all(|cut| {
-                let piece = (std::mem::replace(&mut reached, cut), cut);
-                motion.check_followable(piece, number).is_ok()
-            })
-    }
-
-    /// Lets the body follow its motion so far up to `from` (s), then a straight one. Pieces that end before `since`
-    /// (s) are dropped. The result is that of [`precede_by`](Self::precede_by), in this trajectory's memory.
-    /// [`can_replace`](Self::can_replace) must be true.
-    pub(crate) fn replace(&mut self, from: f64, motion: &StraightMotion, since: f64) {
-        if let Storage::Recent(recent) = &mut self.storage
-            && recent.replace(from, motion, since)
-        {
-            return;
-        }
-        let lists = self.as_lists();
-        lists.replace(from, motion, since);
-        if let Some(recent) = RecentMotions::of(lists) {
-            self.storage = Storage::Recent(Box::new(recent));
-        }
-    }
-
-    /// Returns the facts that a further motion is checked against; none of a plan, or of a single motion.
-    #[inline]
-    pub(crate) fn last_motion(&self) -> LastMotion {
-        match &self.storage {
-            Storage::Recent(recent) => recent.last_motion(),
-            Storage::Straight(..) | Storage::Lists(_) => LastMotion::NONE,
-        }
-    }
-
-    /// Replaces the motion as [`replace`](Self::replace) does, without checks: [`LastMotion::is_replaced_by`] must be
-    /// true. It mostly is where a state is told each frame. Returns the facts that a further motion is checked against.
-    #[inline]
-    pub(crate) fn replace_checked(
-        &mut self,
-        from: f64,
-        motion: &StraightMotion,
-        since: f64,
-    ) -> LastMotion {
-        if let Storage::Recent(recent) = &mut self.storage {
-            return recent.replace_checked(from, motion, since);
-        }
-        self.replace(from, motion, since);
-        self.last_motion()
-    }
-
-    /// Returns true if it goes on from `from` (s) just as a straight motion does.
-    pub(crate) fn follows(&self, motion: &StraightMotion, from: f64) -> bool {
-        let is_past = self.knots().last().is_some_and(|&last| last <= from);
-        is_past
-            && match self.straight_motions().last() {
-                Some(own) => own.is_same_as(motion),
-                None => {
-                    self.outside_after() == Outside::Coast
-                        && StraightMotion::of(&self.segment_after())
-                            .is_some_and(|own| own.is_same_as(motion))
-                }
-            }
     }
 
     /// Returns the lists that the trajectory is stored in, and stores it in lists if it is not yet.
@@ -291,7 +192,13 @@ impl Trajectory {
                 let (knot, ends) = (from_ref(motion.start_ref()), [motion.segment(); 2]);
                 Some(SegmentLists::new(knot, &[], &ends, [Outside::Coast; 2]))
             }
-            Storage::Recent(recent) => Some(recent.to_lists()),
+            Storage::Recent(_) | Storage::Many(_) => {
+                let ends = [self.end_motion_before(), self.end_motion_after()];
+                let rules = [self.outside_before(), Outside::Coast];
+                let mut lists = SegmentLists::new(self.knots(), self.segments(), &ends, rules);
+                lists.add_piece_after();
+                Some(lists)
+            }
             Storage::Lists(_) => None,
         };
         if let Some(other) = other {
@@ -299,22 +206,34 @@ impl Trajectory {
         }
         match &mut self.storage {
             Storage::Lists(lists) => lists,
-            Storage::Straight(..) | Storage::Recent(_) => unreachable!("it was made lists"),
+            Storage::Straight(..) | Storage::Recent(_) | Storage::Many(_) => {
+                unreachable!("it was made lists")
+            }
         }
     }
 
     /// Prefetches the data that a splice near the front reads, but for the first cache line of the trajectory.
+    #[inline]
     pub(crate) fn prefetch(&self) {
-        /// One or two cache lines.
-        const KNOTS: usize = 8;
         match &self.storage {
             Storage::Straight(_, ends) => prefetch_first(ends),
             Storage::Recent(recent) => recent.prefetch(),
+            Storage::Many(_) | Storage::Lists(_) => self.prefetch_lists(),
+        }
+    }
+
+    #[inline(never)]
+    fn prefetch_lists(&self) {
+        /// One or two cache lines.
+        const KNOTS: usize = 8;
+        match &self.storage {
+            Storage::Many(many) => many.prefetch(),
             Storage::Lists(lists) => {
                 prefetch(&lists.knots[..lists.knots.len().min(KNOTS)]);
                 prefetch(lists.segments.extra());
                 prefetch(&lists.segments[..lists.segments.len().min(2)]);
             }
+            Storage::Straight(..) | Storage::Recent(_) => {}
         }
     }
 

@@ -64,7 +64,7 @@ fn told_frame_by_frame_a_plan_keeps_its_memory() {
 /// A plan replaced in place is what one with lists is, wherever there is room for it.
 #[test]
 fn what_is_replaced_in_place_is_the_same_plan() {
-    let (mut in_place, mut in_lists, mut checked, mut extended) = (0, 0, 0, 0);
+    let (mut in_place, mut many, mut checked, mut extended, mut moved) = (0, 0, 0, 0, 0);
     for round in 0..200_u32 {
         let ahead = [5.0, 7.0, 100.0, 1e6][(round % 4) as usize];
         let window = |from: f64| Window::new(from - 1.0, from + ahead).unwrap_or(Window::ALL);
@@ -88,8 +88,7 @@ fn what_is_replaced_in_place_is_the_same_plan() {
             assert!(other.can_replace((now, since), &motion, window(now)));
             let first = one.piece_knots()[0];
             let last = one.last_motion();
-            let is_checked =
-                last.is_replaced_by(&motion, (now, since), (first, now - 1.0), now + ahead);
+            let is_checked = last.is_replaced_by(&motion, now, (first, now - 1.0), now + ahead);
             if is_checked {
                 checked += 1;
                 assert!(one.domain().contains(now) && !one.follows(&motion, now));
@@ -108,10 +107,10 @@ fn what_is_replaced_in_place_is_the_same_plan() {
                 extended += usize::from(after.is_some());
             }
             let is_kept = memory == one.straight_motions().as_ptr();
-            assert!(is_kept || !is_checked);
+            moved += usize::from(is_checked && !is_kept);
             other.as_lists().replace(now, &motion, since);
             in_place += usize::from(!one.straight_motions().is_empty());
-            in_lists += usize::from(one.straight_motions().is_empty());
+            many += usize::from(one.straight_motions().len() > 6);
             assert_eq!(
                 (one.knots(), one.piece_knots()),
                 (other.knots(), other.piece_knots())
@@ -124,11 +123,13 @@ fn what_is_replaced_in_place_is_the_same_plan() {
             }
         }
     }
-    let counts = [in_place, in_lists, checked, extended];
+    let counts = [in_place, many, checked, extended, moved];
     assert!(
-        in_place > 5_000 && in_lists > 200 && checked > 1_000 && extended > 500,
+        in_place > 5_000 && many > 100 && checked > 1_000 && extended > 500,
         "{counts:?}"
     );
+    // To other memory where more are kept than there is room for, and back.
+    assert!(moved < checked / 10, "{counts:?}");
 }
 
 /// Another rule lets it go on there.
@@ -149,8 +150,14 @@ fn the_motion_before_a_splice_at_the_first_knot_stays() {
 #[test]
 fn what_is_told_again_or_ahead_is_the_same_plan() {
     let mut counts = [0; 4];
-    for round in 0..300_u32 {
-        let mut one = plan(&[0.0], Outside::Coast);
+    for round in 0..400_u32 {
+        // Some follow a plan at first.
+        let knots = [0.0, 0.5, 1.25, 400.0];
+        let mut one = match round % 4 {
+            0 => plan(&knots, Outside::Absent),
+            1 => plan(&knots, Outside::Extrapolate),
+            _ => plan(&[0.0], Outside::Coast),
+        };
         let mut other = one.clone();
         let (mut now, mut from, mut since) = (1.0_f64, 1.0_f64, 0.5_f64);
         for frame in 0..40_u32 {
@@ -159,11 +166,12 @@ fn what_is_told_again_or_ahead_is_the_same_plan() {
             now += [0.1, 0.1, 0.3, 8.0][(mix / 4 % 7).saturating_sub(3) as usize];
             from = [now, now, from, since, since - 0.02][(mix / 28 % 5) as usize];
             from = from.max(other.domain().start());
-            let ahead = [0.0, 0.05, 0.25, 5.0, 7.0, -2.0][(mix / 140 % 6) as usize];
+            let ahead = [0.0, 0.05, 0.25, 5.0, 7.0, 500.0, -2.0][(mix / 140 % 7) as usize];
             let (x, y) = (f64::from(mix % 7), f64::from(mix % 5));
             let state = State::new(from + ahead, DVec3::X * x, DVec3::new(0.1, y, 1.0));
             let motion = Trajectory::coasting_motion(&state).unwrap_or_else(|_| unreachable!());
             let mut next = Trajectory::of_straight(motion);
+            next.as_lists();
             assert!(next.precede_by(&other, from, since).is_ok());
             let is_back = one.knots().last().is_some_and(|&last| from <= last);
             let window = Window::new(since - 1.0, now + 9.0).unwrap_or(Window::ALL);
@@ -175,9 +183,10 @@ fn what_is_told_again_or_ahead_is_the_same_plan() {
                 assert!(plan.precede_by(&one, from, since).is_ok());
                 one = plan;
             }
-            other = next;
+            other = next.clone();
             assert_eq!(one.knots(), other.knots(), "{round} {frame}");
-            assert_eq!(one.piece_knots(), other.piece_knots());
+            next.as_lists().add_piece_after();
+            assert_eq!(one.piece_knots(), next.piece_knots());
             assert_eq!(one.segments(), other.segments());
             assert_eq!(one.segment_after(), other.segment_after());
             assert_eq!(one.outside_before(), other.outside_before());
