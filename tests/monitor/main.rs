@@ -414,7 +414,7 @@ fn boxes_formed(share: f64) -> (Vec<(u64, u64)>, u64) {
 }
 
 #[test]
-fn what_comes_next_is_boxed_little_by_little_but_late_where_plans_change_all_the_time() {
+fn what_comes_next_is_boxed_little_by_little() {
     let (quiet, slices) = boxes_formed(0.0);
     // In 180 ticks as many slices as the lookahead has; boxes are formed in 3 of 5 of the ticks.
     let most = (slices * 200).div_ceil(180 * 3 / 5);
