@@ -35,7 +35,8 @@ pub(crate) fn recycled<T, U>(mut list: Vec<T>) -> Vec<U> {
     list.into_iter().filter_map(|_| None).collect()
 }
 
-#[cfg(all(test, target_pointer_width = "64"))]
+#[cfg(target_pointer_width = "64")]
+#[cfg(test)]
 mod tests {
     use crate::bounds::{CompactCubic, CubicRun, CubicSource, FatLine};
     use crate::broad_phase::{BodyBox, Candidate};
