@@ -29,20 +29,7 @@ use nearmiss::kernels::{
     scalar, within,
 };
 use std::hint::black_box;
-use std::sync::OnceLock;
 use workloads::Workload;
-
-/// The instruction set of the batch kernels: the best, or the one named in `NEARMISS_INSTRUCTIONS`.
-fn instructions() -> InstructionSet {
-    static INSTRUCTIONS: OnceLock<InstructionSet> = OnceLock::new();
-    *INSTRUCTIONS.get_or_init(|| {
-        let name = std::env::var("NEARMISS_INSTRUCTIONS").unwrap_or_default();
-        let named = InstructionSet::available()
-            .into_iter()
-            .find(|instructions| instructions.name() == name);
-        named.unwrap_or_else(InstructionSet::best)
-    })
-}
 
 /// The pairs of every iteration.
 const PAIRS: usize = 4096;
@@ -198,13 +185,18 @@ impl Batch {
 
     fn closest_approach(&mut self) {
         let lanes = self.cubics.lanes();
-        closest_approach(instructions(), &lanes, &mut self.times, &mut self.distances);
+        closest_approach(
+            InstructionSet::best(),
+            &lanes,
+            &mut self.times,
+            &mut self.distances,
+        );
     }
 
     fn closest_approach_f32(&mut self) {
         let lanes = self.cubics_f32.lanes();
         closest_approach(
-            instructions(),
+            InstructionSet::best(),
             &lanes,
             &mut self.times_f32,
             &mut self.distances_f32,
@@ -213,7 +205,7 @@ impl Batch {
 
     fn enclose(&mut self) {
         enclose(
-            instructions(),
+            InstructionSet::best(),
             &self.cubics.lanes(),
             &self.errors,
             &mut self.enclosures,
@@ -290,7 +282,7 @@ impl Screening {
             each,
             each_f32,
         } = limits;
-        let (instructions, verdicts) = (instructions(), &mut work.verdicts);
+        let (instructions, verdicts) = (InstructionSet::best(), &mut work.verdicts);
         match self {
             Self::Yuksel => {
                 for (verdict, pair) in verdicts.iter_mut().zip(pairs) {
@@ -343,7 +335,7 @@ fn main() {
     // A smoke test (`cargo test --benches`) passes `--test`: the table would only take time.
     let timing = std::env::args().any(|argument| argument == "--bench");
     let count = count.unwrap_or(if timing { PAIRS } else { 16 });
-    println!("Instruction set: {}", instructions().name());
+    println!("Instruction set: {}", InstructionSet::best().name());
     if count > 0 {
         accuracy::print_table(count);
     }
