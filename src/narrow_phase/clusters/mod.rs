@@ -149,7 +149,13 @@ impl<'a> ClusterPair<'a> {
                 return;
             };
             let solve = |pair: &SpherePair| solve(pair, section.span);
-            let mut question = ClosestQuestion { reached, solve };
+            let is_whole = window.0 <= section.span.start && section.span.end <= window.1;
+            let mut question = ClosestQuestion {
+                reached,
+                is_whole,
+                model_error: self.a.model_error_with(self.b),
+                solve,
+            };
             part.search(&mut question, &mut scratch);
             reached = question.reached;
         });

@@ -51,17 +51,28 @@ impl SpherePath {
         [p0 - q0, p1 - q1, p2 - q2, p3 - q3]
     }
 
-    /// Returns a lower bound of the distance of two centres, or `None` if the separation exceeds a threshold: that of two
-    /// points on their chords, less both deviations.
+    /// Returns a lower bound of the distance of two centres, or `None` if the separation exceeds a threshold.
     #[inline(always)]
     pub(super) fn distance_within(&self, other: &Self, threshold: f64) -> Option<f64> {
+        let (square, deviation) = self.least_on_chords(other);
+        let reach = (threshold + self.radius) + (other.radius + deviation);
+        (reach >= 0.0 && square <= reach * reach).then(|| square.sqrt() - deviation)
+    }
+
+    /// Returns a separation that two spheres come within.
+    pub(super) fn separation_reached(&self, other: &Self) -> f64 {
+        let (square, deviation) = self.least_on_chords(other);
+        square.sqrt() + deviation - (self.radius + other.radius)
+    }
+
+    /// Returns the squared least distance of two centres if they were on their chords, and how far both deviate from these.
+    #[inline(always)]
+    fn least_on_chords(&self, other: &Self) -> (f64, f64) {
         let (start, change) = (self.points[0] - other.points[0], self.chord - other.chord);
         // A change that vanishes makes a share without number, which `max` drops.
         let share = (-start.dot(change) / change.length_squared()).max(0.0);
         let nearest = start + change * share.min(1.0);
-        let (square, deviation) = (nearest.length_squared(), self.deviation + other.deviation);
-        let reach = (threshold + self.radius) + (other.radius + deviation);
-        (reach >= 0.0 && square <= reach * reach).then(|| square.sqrt() - deviation)
+        (nearest.length_squared(), self.deviation + other.deviation)
     }
 }
 

@@ -255,6 +255,18 @@ impl<'a> SpheresOverPart<'a> {
         SphereCandidate::new((a, b), &path_a.relative_to(&path_b), radii, 0.0)
     }
 
+    /// Returns the least separation (m) that one of b's spheres and any of a's listed ones come within in an interval, without
+    /// the errors of their centres.
+    pub(super) fn least_reached(&self, interval: &Interval, near: &NearSpheres, b: u32) -> f64 {
+        let path_b = self.sphere_path(interval, 1, b);
+        let numbers = near.listed[0].iter().map(|one| one.number);
+        let all = numbers.map(|number| {
+            self.sphere_path(interval, 0, number)
+                .separation_reached(&path_b)
+        });
+        all.fold(f64::INFINITY, f64::min) / self.power
+    }
+
     /// Returns the relative motion of two spheres in an interval.
     pub(super) fn relative_path(&self, interval: &Interval, (a, b): (u32, u32)) -> RelativePath {
         let (sphere_a, sphere_b) = (self.sphere(0, a), self.sphere(1, b));

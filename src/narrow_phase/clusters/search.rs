@@ -10,6 +10,7 @@ use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOve
 use super::proven::{BoundStep, BoundSteps, ProvenContact, ProvenContacts};
 use super::shares::{FEWEST_HALVINGS, Shares, WHOLE};
 use crate::narrow_phase::sphere_pair::SpherePair;
+use crate::narrow_phase::widened;
 use std::collections::BTreeMap;
 
 /// A question about two bodies over a part of a span.
@@ -31,11 +32,20 @@ pub(super) trait Question {
     /// Solves a pair of spheres. `slack` is the difference of separations below which it is not certain which pair is nearer,
     /// m; `None` if what the pair tells of others is not needed.
     fn solve(&mut self, pair: &SpherePair, slack: Option<f64>);
+
+    /// Notes that two spheres come as near as this at some time of the part, m. Returns false if that tells nothing.
+    fn note_upper_bound(&mut self, _separation: f64) -> bool {
+        false
+    }
 }
 
 /// Asks for the pairs that may come nearer than `reached`, m; `solve` returns its new value.
 pub(super) struct ClosestQuestion<F> {
     pub(super) reached: f64,
+    /// True if the window contains the part.
+    pub(super) is_whole: bool,
+    /// Sum of the bodies' model errors, m.
+    pub(super) model_error: f64,
     pub(super) solve: F,
 }
 
@@ -47,6 +57,15 @@ impl<F: FnMut(&SpherePair) -> f64> Question for ClosestQuestion<F> {
 
     fn solve(&mut self, pair: &SpherePair, _: Option<f64>) {
         self.reached = self.reached.min((self.solve)(pair));
+    }
+
+    fn note_upper_bound(&mut self, separation: f64) -> bool {
+        if self.is_whole {
+            // The error counts twice: the nearest spheres may be farther apart by it, and others nearer by it.
+            let reached = widened(widened(separation, self.model_error), self.model_error);
+            self.reached = self.reached.min(reached);
+        }
+        self.is_whole
     }
 }
 
@@ -141,7 +160,10 @@ impl Search<'_, '_> {
         part.find_supports(interval, near);
         let facing = near.facing();
         if bound == f64::INFINITY {
-            self.solve_if_near(interval, &part.candidate(interval, facing));
+            let reached = part.least_reached(interval, near, facing.1) + self.slack();
+            if !self.question.note_upper_bound(reached) {
+                self.solve_if_near(interval, &part.candidate(interval, facing));
+            }
             bound = self.bound(interval);
         }
         if !self.is_restricted && near.pairs() > SpheresOverPart::MANY {
