@@ -1,4 +1,4 @@
-//! The same bits on every instruction set of the processor: from a monitor, from screenings, and from covers.
+//! Monitors, screenings and covers give the same bits on every instruction set of the processor.
 //!
 //! A process has one best set. So this program runs itself, once for each.
 

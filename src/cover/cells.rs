@@ -22,7 +22,7 @@ pub(super) struct CellScratch {
     order: Vec<(f64, usize)>,
 }
 
-/// What is known of the share of a ball.
+/// The share of a ball, as far as it is known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Share {
     /// Largest distance from the ball's centre, `None` without a share.

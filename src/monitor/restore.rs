@@ -195,7 +195,8 @@ mod tests {
         assert_eq!(restored.max_spans(), 1);
     }
 
-    /// What has reported all has reported up to its clock: else what began in between would begin too late, or never.
+    /// A monitor that has reported all has reported up to its clock. Otherwise encounters that begin in between would begin too
+    /// late, or never.
     #[test]
     fn a_clock_that_was_changed_is_refused() {
         let mut changed = snapshot(2);

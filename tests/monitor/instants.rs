@@ -202,7 +202,7 @@ fn a_contact_that_ends_at_a_jump_and_at_a_first_knot_is_seen() {
     }
 }
 
-/// The same at the end of a lookahead that is searched from nothing, since all bodies change in each tick.
+/// A search from nothing sees the end of the lookahead as well. All bodies change in each tick, so that there is one.
 #[test]
 fn searches_from_nothing_see_what_is_told_at_their_end() {
     let passing = |time: f64| Passing {
