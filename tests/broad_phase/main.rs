@@ -138,6 +138,8 @@ fn filters_are_honoured() {
 /// Bodies in groups, of which some form no pairs.
 struct Grouped {
     groups: Groups,
+    /// The group of a body, of so many groups.
+    group: fn(u32, usize) -> usize,
     /// Pairs asked about that can be none by their groups.
     in_vain: AtomicUsize,
 }
@@ -155,9 +157,18 @@ impl Grouped {
         (5, |_, _| false),
     ];
 
-    fn of((count, rule): Rule) -> Self {
+    /// Bodies are multiples of three: neighbours in the list are of different groups.
+    fn of(rule: Rule) -> Self {
+        Self::with(rule, |body, count| {
+            let mixed = (body / 3).wrapping_mul(0x9E37_79B9) >> 16;
+            mixed as usize % count
+        })
+    }
+
+    fn with((count, rule): Rule, group: fn(u32, usize) -> usize) -> Self {
         Self {
             groups: Groups::new(count, rule),
+            group,
             in_vain: AtomicUsize::new(0),
         }
     }
@@ -176,10 +187,8 @@ impl PairFilter for Grouped {
         self.groups
     }
 
-    /// Bodies are multiples of three: neighbours in the list are of different groups.
     fn group(&self, body: u32) -> u8 {
-        let mixed = (body / 3).wrapping_mul(0x9E37_79B9) >> 16;
-        u8::try_from(mixed as usize % self.groups.count()).unwrap()
+        u8::try_from((self.group)(body, self.groups.count())).unwrap()
     }
 }
 
@@ -210,6 +219,34 @@ fn groups_that_form_no_pairs_are_not_compared() {
         assert_eq!(filter.in_vain.into_inner(), 0);
         assert!(pairs == expected(&boxes, &Grouped::of(rule)));
     }
+}
+
+/// 64 ships in a cube, each among 50 shots that ignore each other. Few comparisons are expected of evenly spread
+/// boxes, but nearly all of them find an overlap.
+#[test]
+fn crowds_of_a_group_that_forms_no_pairs_are_not_compared() {
+    let places: Vec<Vector> = Shape::named("swarm")
+        .boxes(64, 1)
+        .iter()
+        .map(|one| 40.0 * one.aabb.mins)
+        .collect();
+    let boxes: Vec<BodyBox> = (0_u8..51)
+        .flat_map(|number| places.iter().map(move |&place| (number, place)))
+        .zip(0..)
+        .map(|((number, place), body)| {
+            let low = place + 0.01 * f32::from(number);
+            BodyBox {
+                aabb: Aabb::new(low, low + 10.0),
+                body,
+            }
+        })
+        .collect();
+    let rule: Rule = (2, |one, other| one + other < 2);
+    let filter = || Grouped::with(rule, |body, _| usize::from(body >= 64));
+    let (asked, wanted) = (filter(), expected(&boxes, &filter()));
+    let pairs = found(&mut Sweep::default(), &boxes, &asked);
+    assert_eq!(asked.in_vain.into_inner(), 0);
+    assert!(pairs.len() >= 64 * 50 && pairs == wanted);
 }
 
 fn appends_in_the_same_order_each_time<B: BroadPhase>() {

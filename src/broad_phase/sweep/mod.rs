@@ -13,6 +13,7 @@
 
 mod compare_all;
 mod copies;
+mod grouping;
 mod layout;
 mod partition;
 mod quantizer;
@@ -22,6 +23,7 @@ mod rows;
 mod sample;
 
 use self::compare_all::CompareAll;
+use self::grouping::Grouping;
 use self::layout::RowLayout;
 use self::partition::Partition;
 use self::quantizer::Quantizer;
@@ -67,8 +69,6 @@ impl Sweep {
     const MAX: usize = 1 << 28;
     /// Largest number of copies by dividing in a slice, per box.
     const MAX_COPIES: usize = 8;
-    /// Comparisons per box from which those of groups that form no pairs are left out: sorting by groups costs as much.
-    const GROUPED_COMPARISONS: f64 = 16.0;
     /// Comparisons per box from which the hit rate is measured: twice the cost of dividing.
     const MANY_COMPARISONS: f64 = 256.0;
     /// Hit rate below which boxes are divided.
@@ -137,19 +137,17 @@ impl Sweep {
         self.sweep_rows(boxes, region, filter, candidates);
     }
 
-    /// Sorts boxes into rows, and by their groups where that leaves out many comparisons; returns the number of those that
-    /// a sweep makes.
+    /// Sorts boxes into rows, and by their groups where that pays; returns the number of comparisons that a sweep makes.
     fn sort(&mut self, boxes: &[BodyBox], layout: RowLayout, filter: &dyn PairFilter) -> u64 {
         let quantizer = Quantizer::new(self.sample.ranges);
         let count = boxes.len() as f64;
-        let groups = filter.groups();
         let Self {
             instructions,
             rows,
             group_of,
             ..
         } = self;
-        let mut sort_by = |groups: Groups, group_of: &[u8]| {
+        let sort_by = |groups: Groups, group_of: &[u8], rows: &mut SortedRows| {
             instructions.run(SortIntoRows {
                 boxes,
                 groups,
@@ -162,17 +160,21 @@ impl Sweep {
                 rows,
             })
         };
-        let are_few = |expected: f64, limit: f64| groups.count() == 1 || expected <= limit * count;
-        if are_few(layout.comparisons, Self::GROUPED_COMPARISONS) {
-            let comparisons = sort_by(Groups::ONE, &[]);
-            // Twice as many, where the layout did not foresee a crowd.
-            if are_few(comparisons as f64, 2.0 * Self::GROUPED_COMPARISONS) {
+        let grouping = Grouping::of(boxes, filter);
+        if grouping.is_none_or(|grouping| !grouping.pays(layout.comparisons / count)) {
+            let comparisons = sort_by(Groups::ONE, &[], rows);
+            // More, where the layout did not foresee a crowd.
+            let pays_now = |grouping: Grouping| {
+                let made = comparisons as f64 / count;
+                grouping.still_pays(made, made * rows.hit_rate(boxes))
+            };
+            if !grouping.is_some_and(pays_now) {
                 return comparisons;
             }
         }
         group_of.clear();
         group_of.extend(boxes.iter().map(|one| filter.group(one.body)));
-        sort_by(groups, group_of)
+        sort_by(filter.groups(), group_of, rows)
     }
 
     /// Appends the pairs of boxes that are sorted into rows; several threads share many of them.
