@@ -364,11 +364,15 @@ impl<'a> SpheresOverPart<'a> {
     /// Returns the direction from b's listed spheres to a's: a unit vector, up to rounding, or zero.
     fn direction(&self, interval: &Interval, near: &NearSpheres) -> DVec3 {
         let middle = |body: usize| {
-            let listed = &near.listed[body];
-            let offsets = listed
-                .iter()
-                .map(|one| self.sphere(body, one.number).offset);
-            four_means(&interval.way(body, offsets.sum::<DVec3>() / listed.len() as f64))
+            let (listed, view) = (&near.listed[body], self.views[body]);
+            let offset = if listed.len() == view.spheres.len() {
+                view.bounding.offset
+            } else {
+                let numbers = listed.iter().map(|one| one.number);
+                let offsets = numbers.map(|number| self.sphere(body, number).offset);
+                offsets.sum::<DVec3>() / listed.len() as f64
+            };
+            four_means(&interval.way(body, offset))
         };
         let sum = four_means(&interval.base) + (middle(0) - middle(1));
         let length = norm(sum);
