@@ -1,9 +1,9 @@
-//! Whether boxes are sorted by groups.
+//! The choice between boxes sorted by groups and boxes sorted alone.
 
 use super::sample::scattered;
 use crate::broad_phase::{BodyBox, Groups, PairFilter};
 
-/// What it saves, and costs, to sort boxes by groups: the bodies of some groups are no pairs, and need not be compared.
+/// The savings and the costs of sorting boxes by groups. Bodies of some groups form no pairs, and need not be compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grouping {
     /// Share of the pairs of boxes whose bodies are no pairs, 0..=1.
@@ -24,10 +24,10 @@ impl Grouping {
     const COMPARISON: f64 = 0.4;
     const OVERLAP: f64 = 3.0;
 
-    /// Estimates it from a sample of the boxes; `None` if there is one group.
+    /// Returns an estimate from a sample of the boxes; `None` if there is one group.
     pub(super) fn of(boxes: &[BodyBox], filter: &dyn PairFilter) -> Option<Self> {
         let groups = filter.groups();
-        if groups.count() == 1 || boxes.is_empty() {
+        if groups.count() == 1 {
             return None;
         }
         let mut members = [0_u32; Groups::MAX];
@@ -50,12 +50,12 @@ impl Grouping {
         })
     }
 
-    /// Returns true if it saves more than it costs, at so many comparisons per box without groups.
+    /// Returns true if sorting by groups saves more than it costs, at so many comparisons per box without groups.
     pub(super) fn pays(&self, comparisons: f64) -> bool {
         self.saved(comparisons, 0.0) > Self::SORT
     }
 
-    /// Returns true if it pays where boxes have been sorted without groups, and have so many comparisons and overlaps each.
+    /// Returns true if that pays where boxes have been sorted without groups, and have so many comparisons and overlaps each.
     pub(super) fn still_pays(&self, comparisons: f64, overlaps: f64) -> bool {
         self.saved(comparisons, overlaps) > Self::SORT_AGAIN
     }

@@ -2,8 +2,8 @@
 //!
 //! Boxes become 16 bytes each: six faces on a 16-bit grid (`quantizer`) and the cell they are
 //! sorted to. A counting sort (`rows`) copies each into every row it reaches over two axes, by fine
-//! bins of the third, and by groups where that leaves out many comparisons; `layout` chooses these
-//! numbers. Each record is compared with its successors in its row, in each group that its own may
+//! bins of the third (`layout` chooses these numbers), and by groups where that pays (`grouping`).
+//! Each record is compared with its successors in its row, in each group that its own may
 //! form pairs with, 16 at a time (`row_sweep`). Overlaps on the grid are tested again with the boxes
 //! themselves, so the pairs are exact.
 //!
