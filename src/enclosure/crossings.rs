@@ -98,6 +98,14 @@ impl UncertainCubic {
     }
 }
 
+/// Returns a bound of the error of the Bernstein coefficients of a squared distance: section 2 of the module documentation.
+/// `square` is the largest computed square of a control point, `rounding` a bound of each point's error.
+#[inline(always)]
+fn coefficient_error(square: f64, rounding: f64) -> f64 {
+    let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT_ROUNDOFF);
+    (8.0 * UNIT_ROUNDOFF * square + rounding * (2.0 * size + rounding)) * SECOND_ORDER + TINY
+}
+
 impl PartitionSearch {
     /// Returns the pattern of the squared distance over a part whose control points have an error
     /// of at most `rounding`.
@@ -109,11 +117,7 @@ impl PartitionSearch {
             .length_squared()
             .max_or_other(points[2].length_squared());
         let square = s0.max_or_other(s3).max_or_other(inner);
-        // Section 2 of the module documentation.
-        let size = (square + TINY).sqrt() * (1.0 + 4.0 * UNIT_ROUNDOFF);
-        let error = (8.0 * UNIT_ROUNDOFF * square + rounding * (2.0 * size + rounding))
-            * SECOND_ORDER
-            + TINY;
+        let error = coefficient_error(square, rounding);
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         for c in coefficients {
             least = least.min_or_other(c);
@@ -311,4 +315,58 @@ fn dividing_fraction(points: &ControlPolygon, depth: u32) -> f64 {
         }
     }
     0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rounding::exact::{number, vector};
+    use dashu::rational::RBig;
+    use rand::SeedableRng;
+    use rand::rngs::ChaCha8Rng;
+
+    /// Returns the exact Bernstein coefficients of the squared distance.
+    fn exact_coefficients(points: &ControlPolygon) -> [RBig; 7] {
+        let exact = points.map(|point| point.to_array().map(number));
+        let dot = |i: usize, j: usize| {
+            let products = exact[i].iter().zip(&exact[j]).map(|(x, y)| x * y);
+            products.fold(RBig::ZERO, |sum, product| sum + product)
+        };
+        let [two, three, five, nine, ten] = [2.0, 3.0, 5.0, 9.0, 10.0].map(number);
+        [
+            dot(0, 0),
+            dot(0, 1),
+            (&two * dot(0, 2) + &three * dot(1, 1)) / &five,
+            (dot(0, 3) + &nine * dot(1, 2)) / &ten,
+            (&two * dot(1, 3) + &three * dot(2, 2)) / &five,
+            dot(2, 3),
+            dot(3, 3),
+        ]
+    }
+
+    /// Points are moved by all of their error, outwards, where that changes coefficients most. The bound is not far above
+    /// the largest error.
+    #[test]
+    fn coefficients_are_within_their_error() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut largest = [0.0_f64; 3];
+        for round in 0..3_000 {
+            let given: ControlPolygon = [(); 4].map(|()| vector(&mut rng, 1.0));
+            let rounding = [0.0, 1e-15, 1e-3][round % 3];
+            let moved = given.map(|point| point + rounding * point.normalize());
+            let distances = (0..4).map(|place| (moved[place] - given[place]).length());
+            let rounding = distances.fold(rounding, f64::max) * (1.0 + 1e-12);
+            let squares = moved.map(|point| point.length_squared());
+            let error = coefficient_error(squares.into_iter().fold(0.0, f64::max), rounding);
+            for (computed, exact) in squared_distance(&moved)
+                .into_iter()
+                .zip(exact_coefficients(&given))
+            {
+                let difference = (number(computed) - exact).to_f64().value().abs();
+                assert!(difference <= error, "{given:?} {rounding:e}");
+                largest[round % 3] = largest[round % 3].max(difference / error);
+            }
+        }
+        assert!(largest.iter().all(|&share| share > 0.2), "{largest:?}");
+    }
 }
