@@ -56,7 +56,10 @@ impl InstructionSet {
             && is_x86_feature_detected!("bmi2")
         {
             let narrow = vec![Self::PORTABLE, Self(Set::Avx2)];
-            let has_wide = is_x86_feature_detected!("avx512f")
+            // The compiler takes AVX-512 F to imply F16C and FMA.
+            let has_wide = is_x86_feature_detected!("f16c")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512vl");

@@ -17,6 +17,7 @@
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct CoverOptions {
     max_spheres: usize,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize_target"))]
     target_overshoot: Option<f64>,
     seed: u64,
     effort: u32,
@@ -93,5 +94,40 @@ impl CoverOptions {
     #[must_use]
     pub const fn effort(&self) -> u32 {
         self.effort
+    }
+}
+
+/// Writes a target. Text formats would write one that is not finite, which a fit refuses, as none.
+#[cfg(feature = "serde")]
+fn serialize_target<S: serde::Serializer>(
+    target: &Option<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    use serde::Serialize;
+    use serde::ser::Error;
+
+    match target {
+        Some(target) if serializer.is_human_readable() && !target.is_finite() => {
+            Err(S::Error::custom(format_args!("{target} is no target")))
+        }
+        _ => target.serialize(serializer),
+    }
+}
+
+#[cfg(feature = "serde")]
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// They are not saved as options without a target.
+    #[test]
+    fn targets_that_are_not_finite_are_not_written() {
+        let saved = |target| {
+            let options = CoverOptions::new(8).with_target_overshoot(target);
+            serde_json::to_string(&options).is_ok()
+        };
+        assert!(saved(0.5));
+        assert!(!saved(f64::NAN));
+        assert!(!saved(f64::INFINITY));
     }
 }

@@ -4,17 +4,51 @@ use super::{Body, Scene, SceneEntry, Slot, SlotKey};
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::layers::Layers;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 
 /// The serialised fields of a scene.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SerialScene {
-    /// Generation and body of each slot.
-    slots: Vec<(u32, Option<Body>)>,
+    #[serde(deserialize_with = "read_slots")]
+    slots: Vec<SerialSlot>,
     /// Empty slots; the last one is used next.
     free: Vec<u32>,
     ignored: Vec<(BodyId, BodyId)>,
+}
+
+/// Generation and body of a slot.
+type SerialSlot = (u32, Option<Body>);
+
+/// Reads the slots of a scene. An error names the slot, since that of a plan names a knot alone.
+fn read_slots<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<SerialSlot>, D::Error> {
+    struct Slots;
+
+    impl<'de> Visitor<'de> for Slots {
+        type Value = Vec<SerialSlot>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a list of slots")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut slots = Vec::new();
+            loop {
+                let next = list.next_element();
+                let named = next.map_err(|error| {
+                    A::Error::custom(format_args!("slot {}: {error}", slots.len()))
+                });
+                match named? {
+                    Some(slot) => slots.push(slot),
+                    None => return Ok(slots),
+                }
+            }
+        }
+    }
+
+    source.deserialize_seq(Slots)
 }
 
 impl From<Scene> for SerialScene {
@@ -89,5 +123,30 @@ mod tests {
             let slot = format!("slot {} is not free", &free[..1]);
             assert!(refused.starts_with(&slot), "{refused}");
         }
+    }
+
+    /// A damaged plan is named by its slot, and within it by the knot and the value.
+    #[test]
+    fn slots_of_damaged_bodies_are_named() {
+        use crate::{State, Trajectory};
+        use glam::DVec3;
+
+        let mut scene = Scene::new();
+        for start in [0.0, 1.0, 2.0] {
+            let states = [start, start + 5.0].map(|t| State::new(t, DVec3::ZERO, DVec3::X));
+            let plan = Trajectory::from_states(&states);
+            plan.and_then(|plan| scene.insert(plan.into()))
+                .map(drop)
+                .unwrap_or_default();
+        }
+        let text = serde_json::to_string(&scene).unwrap_or_default();
+        let damaged = text.replace("7.0", "1.5");
+        assert_ne!(damaged, text);
+        let refused = serde_json::from_str::<Scene>(&damaged).map(drop).err();
+        let refused = refused.map(|error| error.to_string()).unwrap_or_default();
+        assert!(
+            refused.starts_with("slot 2: ") && refused.contains("1.5"),
+            "{refused}"
+        );
     }
 }
