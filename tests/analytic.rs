@@ -11,6 +11,7 @@ mod support;
 use glam::DVec3;
 use nearmiss::{
     Body, Conflict, Hitbox, Outside, Query, Scene, Sphere, State, TimeBase, Trajectory, Window,
+    pair,
 };
 use rand::RngExt;
 use support::{line, screen};
@@ -427,6 +428,24 @@ fn the_spheres_that_meet_are_named() {
     assert!((found[0].closest.separation + 0.5).abs() < CLOSE);
     // Surfaces meet while |t - 5|² + 1/16 <= 9/16.
     assert!((found[0].enter - (5.0 - 0.5_f64.sqrt())).abs() < CLOSE);
+}
+
+/// A point flies along the axis of two spheres that touch: it is in one of them, or on it, all the way. The instant at which
+/// it goes from one to the other is rounded twice.
+#[test]
+fn one_sphere_takes_over_from_another() {
+    let spheres = [0.15, -0.15].map(|z| Sphere::new([0.0, 0.0, z], 0.15));
+    let rod = Hitbox::cluster(spheres.to_vec()).unwrap();
+    let rod = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap()).with_hitbox(rod);
+    let query = Query::new(Window::new(-10.0, 20.0).unwrap());
+    for (height, speed) in [(4.25, 1.75), (3.5, 1.25), (4.75, 0.75), (2.25, 0.5)] {
+        let state = State::new(0.0, [0.0, 0.0, height], [0.0, 0.0, -speed]);
+        let point = Body::new(Trajectory::coasting(state).unwrap());
+        let found = pair::conflicts(&point, &rod, &query).unwrap();
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((found[0].enter - (height - 0.3) / speed).abs() < CLOSE);
+        assert!((found[0].exit - (height + 0.3) / speed).abs() < CLOSE);
+    }
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub enum Budget {
     ///
     /// - Sorting the boxes of one slice.
     /// - Solving and reading what was found. That is most of the work where many bodies stay near each other, or turn
-    ///   many times in the lookahead.
+    ///   many times in the lookahead. Of turns that a far jump of the clock passes over, a tick solves some thousand.
     /// - A search of all bodies in a part of the time: a far jump of the clock, and a slice with too many pairs, are
     ///   searched in parts.
     /// - A search that cannot be left to the next tick: where [many bodies](crate::Monitor#cost) change in each
@@ -114,6 +114,11 @@ impl BudgetMeter {
     /// Returns true if the tick may leave a part of its search to the next one.
     pub(super) const fn may_stop(&self) -> bool {
         (self.has_limit() || self.until.is_some()) && !self.has_to_finish
+    }
+
+    /// Returns true if the tick may leave work to the next one where it chooses to.
+    pub(super) const fn may_leave_work(&self) -> bool {
+        self.has_limit() && !self.has_to_finish
     }
 
     /// Returns true if there is a largest time or work.

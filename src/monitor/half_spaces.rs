@@ -147,6 +147,19 @@ impl HalfSpaceSearch {
         }
         Ok(known)
     }
+
+    /// Lets the bodies in some spans with half-spaces be due again at an instant (s): turning ones are solved so far.
+    pub(super) fn put_off(&mut self, bodies: &BodyTable<'_>, spans: &[SpanKey], until: f64) {
+        let planes = bodies.monitored.half_spaces();
+        let is_plane = |slot: u32| planes.binary_search(&slot).is_ok();
+        for key in spans {
+            for (slot, other) in [(key.a, key.b), (key.b, key.a)] {
+                if is_plane(other) {
+                    self.due.set(slot, until.min(self.due.at(slot)));
+                }
+            }
+        }
+    }
 }
 
 /// Returns the instant (s), beyond the horizon, at which a body is due again that is compared up to `next` (s). If that is `until`, the end of the

@@ -265,7 +265,13 @@ impl LookaheadSearch {
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
-            let window = (from, self.plans_needed_until(to));
+            let mut window = (from, self.plans_needed_until(to));
+            if self.jump.is_some() {
+                // All that comes after is searched again.
+                window.1 = compared_until;
+                self.half_spaces
+                    .put_off(&bodies, &self.survivors, compared_until);
+            }
             work.stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
             work.stats.narrow_time += begin.elapsed();
             if is_done {

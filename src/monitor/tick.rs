@@ -24,8 +24,8 @@ use crate::window::Window;
 
 impl Monitor {
     /// Moves the clock to `now` (s) and appends the events since the last tick to `events`, in their order. The
-    /// clock may stand still, or jump. A jump reports all encounters on the way, however long it is; its cost depends on
-    /// these, hardly on its length.
+    /// clock may stand still, or jump. A jump reports all encounters on the way, however long it is. Its cost depends on
+    /// these, and on the turns of turning bodies while they are near others; hardly on its length.
     ///
     /// In steady state a tick on one thread allocates nothing: it uses the memory of earlier ones, which holds as much as was
     /// ever needed. Exception: a slice of the lookahead in which more pairs of boxes meet than 1,024 and four

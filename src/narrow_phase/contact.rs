@@ -9,6 +9,7 @@ use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::conflict::Clip;
+use crate::rounding::{earliest_exact, latest_exact};
 use crate::spans::Span;
 
 /// A pair of spheres whose distance over a span is solved. Contacts at any margin and window follow without a
@@ -203,7 +204,8 @@ pub(crate) fn contacts_of<'s>(
     join(found, first);
 }
 
-/// Joins the contacts from index `first` on that overlap or touch, across spans and spheres.
+/// Joins the contacts from index `first` on that overlap or touch, across spans and spheres. Where one sphere takes over from
+/// another just at the margin, the ends of both are rounded: they touch where an exact instant may be reported as either.
 pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
@@ -217,7 +219,7 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     let mut last = first;
     for next in first + 1..contacts.len() {
         let contact = contacts[next];
-        if contact.enter <= contacts[last].exit {
+        if earliest_exact(contact.enter) <= latest_exact(contacts[last].exit) {
             let joined = &mut contacts[last];
             joined.exit = joined.exit.max(contact.exit);
             joined.closest = joined.closest.or_lower(contact.closest);

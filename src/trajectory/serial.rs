@@ -193,6 +193,21 @@ mod tests {
         }
     }
 
+    /// A motion that is spliced with itself at its knot stays a single motion, as it is when it is read.
+    #[test]
+    fn a_splice_at_the_knot_of_a_motion_is_read_as_it_was() {
+        let position = [
+            -199_374_119.812_385_62,
+            -565_798_128.670_067,
+            522_552_002.408_144_4,
+        ];
+        let velocity = [0.180_663_796_547_265_33, 0.001_665_788, 0.097_750_3];
+        let state = State::new(-3.449_527_605_992_784_6, position, velocity);
+        let motion = Trajectory::coasting(state).unwrap();
+        let spliced = motion.spliced(state.time, &motion).unwrap();
+        assert!(motion.straight().is_some() && spliced.straight().is_some());
+    }
+
     #[test]
     fn a_single_knot_is_no_end() {
         let still = Trajectory::at_rest(DVec3::ZERO).unwrap();

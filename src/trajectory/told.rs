@@ -159,6 +159,15 @@ impl Trajectory {
         {
             let motions = lists.segments.iter().filter_map(StraightMotion::of);
             let (count, knots) = (lists.segments.len(), &*lists.knots);
+            if count == 1
+                && lists.before == Outside::Coast
+                && let Some(motion) = motions.clone().next()
+                && motion.start().total_cmp(&knots[0]).is_eq()
+            {
+                // Before its knot it is cut as a single motion is: one that was saved is read as such.
+                *self = Self::of_straight(motion);
+                return;
+            }
             self.storage = Storage::of_motions((motions, knots), lists.before, count);
         }
     }

@@ -9,9 +9,13 @@ use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
+use crate::accuracy::Accuracy;
 use crate::broad_phase::PairFilter;
+use crate::count::short;
+use crate::narrow_phase::BodyView;
 use crate::rounding::earliest_exact;
-use crate::search::LimitExceeded;
+use crate::search::{Bodies, LimitExceeded};
+use crate::spans::{SpanKey, common_part};
 use crate::stats::Stats;
 
 impl LookaheadSearch {
@@ -27,7 +31,8 @@ impl LookaheadSearch {
     }
 
     /// Searches the time that the clock passed over, in chunks of at least the length of a slice, until the budget is
-    /// spent. Returns the instant at which the search had to stop, s; none if it is done.
+    /// spent, or turning bodies have as many parts to be solved as a tick should. Returns the instant at which the search had
+    /// to stop, s; none if it is done.
     ///
     /// # Errors
     ///
@@ -47,8 +52,13 @@ impl LookaheadSearch {
         let mut at = earliest_exact(from);
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
         let until = meter.until().unwrap_or(f64::INFINITY);
+        // Those of half-spaces are listed already, over all of the time.
+        let lists_planes = !self.survivors.is_empty();
+        let mut turning = TurningSpans::default();
         while at < to {
-            if meter.is_spent() || at >= until {
+            // Half-spaces may take all of each budget: what was listed of them is solved as far as the first chunk.
+            let may_stop = !lists_planes || at > from;
+            if may_stop && meter.is_spent() || at >= until {
                 return Ok(Some(at.max(from)));
             }
             let end = (at + *chunk).min(to.min(until));
@@ -65,13 +75,150 @@ impl LookaheadSearch {
             counted.slices = u64::from(slices.count());
             work.stats += counted;
             meter.count(examined.saturating_add(1));
-            at = end;
             *slice = slices.length();
+            if meter.may_leave_work() {
+                turning.list(&self.survivors, &table);
+                if let Some(end) = turning.end_of_few(&table, (at, end), length) {
+                    *chunk = (end - at).max(length);
+                    return Ok(Some(end.max(from)));
+                }
+            }
+            at = end;
             let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
             let factor = if examined < little { 2.0 } else { 0.5 };
             *chunk = (factor * *chunk).max(length);
         }
         self.jump = None;
         Ok(None)
+    }
+}
+
+/// The spans of turning bodies that a jump has found, and the work of solving them.
+#[derive(Default)]
+struct TurningSpans {
+    spans: Vec<SpanKey>,
+    /// Number of survivors that were looked through.
+    seen: usize,
+    /// Parts up to where the search has come: the spheres of both bodies between two cuts of a rotation, each counted once.
+    parts: f64,
+}
+
+impl TurningSpans {
+    /// Parts that a tick with a budget solves, unless one slice has more: some milliseconds.
+    const FEW: f64 = 8192.0;
+
+    /// Takes the spans of turning bodies from a list that grows.
+    fn list(&mut self, survivors: &[SpanKey], bodies: &BodyTable<'_>) {
+        let is_turning = |slot| bodies.view(slot).turning.is_some();
+        let new = survivors[self.seen..].iter();
+        let turning = new.filter(|key| is_turning(key.a) || is_turning(key.b));
+        self.spans.extend(turning);
+        self.spans.sort_unstable();
+        self.spans.dedup();
+        self.seen = survivors.len();
+    }
+
+    /// Returns the instant (s) up to which an interval (s) has few parts, or one slice of a length (s); none if there is room
+    /// for more than all of its parts.
+    fn end_of_few(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        (start, end): (f64, f64),
+        length: f64,
+    ) -> Option<f64> {
+        let known = self.parts;
+        let parts_until = |until| known + self.count(bodies, (start, until));
+        let mut reached = end;
+        while parts_until(reached) > Self::FEW && reached - start > length {
+            reached = start + 0.5 * (reached - start);
+        }
+        self.parts = parts_until(reached);
+        (reached < end || self.parts >= 0.5 * Self::FEW).then_some(reached)
+    }
+
+    /// Returns about how many parts the spans have in an interval (s).
+    fn count(&self, bodies: &BodyTable<'_>, interval: (f64, f64)) -> f64 {
+        let of_span = |key: &SpanKey| {
+            let views = [key.a, key.b].map(|slot| bodies.view(slot));
+            let span = key.span(&views[0].knots, &views[1].knots);
+            let (from, to) = common_part((span.start, span.end), interval)?;
+            // Only rotations that go on for ever may have more sections than knots: these are those at an end.
+            let lengths = |view: &BodyView<'_>| {
+                let section_at = |time| {
+                    view.turning
+                        .map(|turning| turning.section_at(time, Accuracy::Exact))
+                };
+                let at_ends = [section_at(from), section_at(to)];
+                let lengths = at_ends
+                    .into_iter()
+                    .flatten()
+                    .map(|section| section.end - section.start);
+                lengths.fold(f64::INFINITY, f64::min)
+            };
+            let sections: f64 = views.iter().map(|view| (to - from) / lengths(view)).sum();
+            let spheres = views.iter().map(|view| view.spheres.len()).sum();
+            Some(sections * f64::from(short(spheres)))
+        };
+        self.spans.iter().filter_map(of_span).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use crate::hitbox::{Hitbox, Sphere};
+    use crate::monitor::{AlertLevel, Budget, Event, EventKind, Monitor};
+    use crate::orientation::Orientation;
+    use crate::scene::{Body, Scene};
+    use crate::trajectory::Trajectory;
+    use glam::{DQuat, DVec3};
+
+    /// A wheel over a floor, and beside another wheel that it touches at each turn.
+    fn wheels() -> Monitor {
+        let mut scene = Scene::new();
+        let ground = Hitbox::half_space(DVec3::Z).unwrap();
+        let floor = Trajectory::at_rest([0.0, 0.0, -1.6]).unwrap();
+        scene.insert(Body::new(floor).with_hitbox(ground)).unwrap();
+        for (x, rate) in [(0.0, 1.0), (3.3, 0.37)] {
+            let spheres = [-1.0, 1.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.7));
+            let spin = Orientation::spin(0.0, DQuat::IDENTITY, rate * DVec3::Y).unwrap();
+            let body = Body::new(Trajectory::at_rest([x, 0.0, 0.0]).unwrap())
+                .with_hitbox(Hitbox::cluster(spheres.to_vec()).unwrap())
+                .with_orientation(spin);
+            scene.insert(body).unwrap();
+        }
+        Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(0.0)]).unwrap()
+    }
+
+    /// A tick with a budget solves few parts of turns, and all ticks together report what one without reports.
+    #[test]
+    fn turns_in_a_jump_are_left_to_later_ticks() {
+        const JUMP: f64 = 20_000.0;
+        let ticks_of = |budget| {
+            let (mut monitor, mut events) = (wheels(), Vec::new());
+            monitor.advance(0.0, &mut events).unwrap();
+            let (mut ticks, mut most) = (0, 0);
+            while monitor.now() < JUMP || !monitor.is_caught_up() {
+                monitor.advance_within(JUMP, budget, &mut events).unwrap();
+                most = most.max(monitor.search.solved.len());
+                ticks += 1;
+                assert!(ticks < 1000, "{}", monitor.complete_until());
+            }
+            let of_the_clock = |event: &Event| match &event.kind {
+                EventKind::Began(one) => Some((event.time, one.a, one.b, true)),
+                EventKind::Ended(one, _) => Some((event.time, one.a, one.b, false)),
+                _ => None,
+            };
+            let events: Vec<_> = events.iter().filter_map(of_the_clock).collect();
+            (ticks, most, events)
+        };
+        let expected = ticks_of(Budget::Unlimited);
+        assert_eq!(expected.0, 1);
+        for work in [1, 100_000] {
+            let (ticks, most, events) = ticks_of(Budget::Work(work));
+            assert!(ticks > 5 && most < expected.1 / 5, "{ticks} {most}");
+            assert!(events.len() > 10_000 && events == expected.2);
+        }
     }
 }
