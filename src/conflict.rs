@@ -160,7 +160,7 @@ impl Conflict {
 impl fmt::Display for Conflict {
     /// Writes one line: the bodies, with tags that are not 0, the interval, the closest approach, the proven error of its
     /// separation (of the splines; with model errors, of the world), and the clipped ends. A precision (`{:.6}`)
-    /// sets the number of decimals.
+    /// sets the number of decimals. Numbers below 0.001, and from 1e15 on, have an exponent.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (a, b) = (
             TaggedBody(self.a, self.tag_a),

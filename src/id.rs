@@ -4,6 +4,9 @@ use std::fmt;
 
 /// Names one body of one scene. An id whose body was removed is never valid again.
 ///
+/// A copy of a scene, and a monitor that is [restored](crate::Monitor::restore), give the ids again that the original has given
+/// since: forget those.
+///
 /// Ids are ordered by slot, then generation: bodies inserted into a fresh scene are in insertion order. `serde` writes
 /// [one number](Self::to_bits), which can be a key of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -108,7 +108,8 @@
 //!   times, by some 1e-14 s. (`recording` turns it on.)
 //! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
 //!   `recording::Replay` replays them, bit for bit. Turns `serde` on.
-//! - `mint`: [`State::new`] takes the vectors of other libraries.
+//! - `mint`: [`State::new`] takes `mint::Vector3<f64>`, to which vectors of other libraries, and of other versions of
+//!   glam, can be converted.
 //!
 //! On `wasm32-unknown-unknown` everything runs on the caller's thread without `parallel` and
 //! `live`; the clock that times work and keeps a [`Budget::Time`] is the browser's.

@@ -6,7 +6,8 @@ use crate::readable::Readable;
 use std::cmp::Ordering;
 use std::fmt;
 
-/// The name of one encounter of one monitor. No id is used twice.
+/// The name of one encounter of one monitor. No id is used twice, but for those that a [restored](crate::Monitor::restore)
+/// monitor gives again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EncounterId(pub(super) u64);

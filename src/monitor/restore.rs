@@ -65,6 +65,9 @@ impl Monitor {
     /// Near [`max_spans`](Self::max_spans) one of the two may end with [`Error::TooCrowded`] where the other one does not,
     /// since a snapshot holds no spans that were found before.
     ///
+    /// Ids of bodies and encounters that were given after the snapshot are given again, to others. Forget what you have noted
+    /// under them; [`encounters`](Self::encounters) lists those under way.
+    ///
     /// Its next tick looks at all bodies, like the first one of a new monitor: within a budget it may come less far. If many
     /// bodies changed in each tick, it takes as long as these; else several times as long as a
     /// [screening](crate::Scene::screen) of the lookahead.

@@ -32,7 +32,8 @@ impl Monitor {
     ///   begins at `now`: use [`replan`](Self::replan).
     /// - A state is late if `now` lies before the clock of the last tick. The body then follows it from the instant
     ///   given by the rule at [`replan`](Self::replan): later than `now` if its motion at `now` was forgotten.
-    /// - The last state of a body that is named twice counts.
+    /// - The last state of a body that is named twice counts, and so does the last call: a state that is older than one told
+    ///   before replaces that one, too. Drop messages that were overtaken.
     /// - Between two ticks it may be called several times, as by an engine that takes several steps, and `now` may lie ahead of
     ///   the clock. A body that keeps more than six of its motions takes longer: told in eight steps a tick five times as
     ///   long, told for half a second ahead of the clock six times.

@@ -25,7 +25,7 @@ pub struct Keyframe {
 impl Keyframe {
     /// Returns a keyframe from its parts; building a trajectory from it validates it.
     ///
-    /// Vectors can be of f64 or f32, arrays or tuples, as in [`State::new`].
+    /// Vectors can be what [`State::new`] takes.
     #[must_use]
     pub fn new(
         time: f64,

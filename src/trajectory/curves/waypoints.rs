@@ -7,8 +7,8 @@ use crate::trajectory::{Outside, Segment, State, Trajectory};
 use glam::DVec3;
 
 impl Trajectory {
-    /// Builds straight legs of constant velocity between waypoints, `(time, position)` (s, m). Positions can be vectors of
-    /// f64 or f32, arrays or tuples.
+    /// Builds straight legs of constant velocity between waypoints, `(time, position)` (s, m). Positions can be what
+    /// [`State::new`] takes.
     ///
     /// The velocity jumps at the waypoints. To stop at one, name its position twice, with the times of arrival and
     /// departure. Beyond the first and last waypoint, if [`Outside`] says so, the body keeps the
