@@ -32,7 +32,7 @@ use partners::Kinds;
 pub(crate) use planned::planned;
 pub(crate) use slot::Slot;
 use slot::SlotKey;
-use told_states::ToldStates;
+pub(crate) use told_states::ToldStates;
 pub use update::{BodyState, Spin};
 
 use crate::bounds::DAabb;

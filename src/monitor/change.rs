@@ -209,13 +209,7 @@ impl Monitor {
         plan: impl Into<BodyPlan>,
     ) -> Result<f64, Error> {
         self.apply([Command::Replan(id, from, plan.into())])?;
-        Ok(self.late_plans().next().map_or(from, |(_, late)| late))
-    }
-
-    /// Returns the bodies whose last plan in the last batch was late, and from when on they follow
-    /// it (s).
-    pub(super) fn late_plans(&self) -> impl Iterator<Item = (BodyId, f64)> {
-        self.batch.late()
+        Ok(self.batch.late().next().map_or(from, |(_, late)| late))
     }
 
     /// Appends `plan` to the body's plan: the body follows it from its last knot on, where `plan`

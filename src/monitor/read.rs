@@ -22,17 +22,8 @@ use crate::screen::{conflict, describe};
 pub(super) struct LevelCaches {
     pub(super) conflicts: Vec<ConflictCache>,
     pub(super) planned: Vec<EncounterCache>,
-    /// Memory of two threads.
-    pub(super) scratch: [ReadScratch; 2],
-}
-
-/// Memory that reading reuses.
-#[derive(Debug, Default)]
-pub(super) struct ReadScratch {
-    /// Contacts within the margin.
-    pub(super) contacts: Vec<Contact>,
-    /// Contacts within the release margin.
-    released: Vec<Contact>,
+    /// Memory of two threads, or of one: contacts within the margin, and within the release margin.
+    pub(super) scratch: [Vec<Contact>; 2],
 }
 
 /// The search that is read, and its scene.
@@ -60,7 +51,7 @@ impl LevelCaches {
     /// Reads the [changed pairs](super::solved_spans::SolvedSpans::changed_pairs). Of all other pairs, conflicts and planned encounters that ended
     /// before an instant (s) are dropped.
     pub(super) fn update(&mut self, context: ReadContext<'_>, levels: &[AlertLevel], before: f64) {
-        let (changed, [scratch, _]) = (&context.search.solved.changed_pairs, &mut self.scratch);
+        let (changed, scratch) = (&context.search.solved.changed_pairs, &mut self.scratch);
         let readings = self.conflicts.iter_mut().zip(&mut self.planned);
         for ((conflicts, encounters), alert) in readings.zip(levels) {
             conflicts.drop_changed(changed, before);
@@ -80,7 +71,7 @@ impl ReadContext<'_> {
         &self,
         slots: SlotPair,
         alert: &AlertLevel,
-        scratch: &mut ReadScratch,
+        [contacts, released]: &mut [Vec<Contact>; 2],
         conflicts: &mut ConflictCache,
         encounters: &mut EncounterCache,
     ) {
@@ -102,7 +93,6 @@ impl ReadContext<'_> {
             open: false,
             passed: None,
         };
-        let ReadScratch { contacts, released } = scratch;
         self.contacts(slots, alert.margin, domain, contacts);
         for contact in &*contacts {
             let solved = solved(contact);

@@ -289,8 +289,7 @@ impl Monitor {
                 if tick.now < tick.known {
                     let window = (tick.now, tick.known);
                     let clipped = |pair, whole: &_| {
-                        let contacts = &mut scratch.contacts;
-                        let solved = context.clipped(pair, whole, (alert.margin, window), contacts);
+                        let solved = context.clipped(pair, whole, (alert.margin, window), scratch);
                         solved.map(|solved| solved.conflict)
                     };
                     conflicts.list(window, clipped, list);
@@ -311,7 +310,7 @@ impl Monitor {
                         tracker.wait_for_all();
                     }
                     planned.list(edges, tracker.waiting(), |pair, whole| {
-                        context.planned(pair, whole, alert, tick, &mut other_scratch.contacts)
+                        context.planned(pair, whole, alert, tick, other_scratch)
                     });
                     tracker.update(planned.listed(), tick, next_id, events);
                 }

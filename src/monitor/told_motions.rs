@@ -3,23 +3,17 @@
 use super::monitored_bodies::MonitoredBody;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::orientation::ToldSpin;
+use crate::scene::ToldStates;
 use crate::trajectory::{StraightMotion, Trajectory};
 
 /// Changes of the bodies of one call. Their memory is reused.
 #[derive(Debug, Default)]
 pub(super) struct ToldMotions {
-    /// The bodies, each once.
-    pub(super) ids: Vec<BodyId>,
-    /// Straight motions, one for each body.
-    pub(super) motions: Vec<StraightMotion>,
-    /// Spins, up to the last body of which one was given.
-    pub(super) spins: Vec<Option<ToldSpin>>,
+    /// The bodies, with their motions and spins.
+    pub(super) states: ToldStates,
     /// True for each body whose motion is replaced in place, from the time of the call on: most are.
     /// In a list of its own: motions are many times as long and do not change any more.
     pub(super) is_in_place: Vec<bool>,
-    /// Place in these lists of each slot's body, valid if that entry is of this slot.
-    place_of: Vec<usize>,
     /// Places of the bodies whose motions are not replaced in place from the time of the call on, and how each comes to
     /// follow its motion, if that is not refused.
     pub(super) others: Vec<(usize, Result<ToldPlan, Error>)>,
@@ -31,9 +25,7 @@ pub(super) struct ToldMotions {
 
 impl ToldMotions {
     pub(super) fn clear(&mut self) {
-        self.ids.clear();
-        self.motions.clear();
-        self.spins.clear();
+        self.states.clear();
         self.is_in_place.clear();
         self.others.clear();
         self.unchanged.clear();
@@ -48,41 +40,16 @@ impl ToldMotions {
             .extend(others.map(|(place, _)| (place, Ok(ToldPlan::Same(0.0)))));
     }
 
-    /// Takes a motion in, and a spin if it was given. They replace those of the same body, if there are any.
-    #[inline]
-    pub(super) fn put(&mut self, (id, motion): (BodyId, StraightMotion), spin: Option<ToldSpin>) {
-        let slot = id.slot as usize;
-        if self.place_of.len() <= slot {
-            self.place_of.resize(slot + 1, 0);
-        }
-        let mut place = self.place_of[slot];
-        if self.ids.get(place) == Some(&id) {
-            self.motions[place] = motion;
-        } else {
-            place = self.ids.len();
-            self.place_of[slot] = place;
-            self.ids.push(id);
-            self.motions.push(motion);
-        }
-        if let Some(own) = self.spins.get_mut(place) {
-            *own = spin;
-        } else if spin.is_some() {
-            self.spins.resize(place, None);
-            self.spins.push(spin);
-        }
-    }
-
     /// Returns the slots of the bodies whose motions are replaced in place.
     pub(super) fn slots_in_place(&self) -> impl Iterator<Item = u32> {
-        let places = self.ids.iter().zip(&self.is_in_place);
+        let places = self.states.ids.iter().zip(&self.is_in_place);
         places.filter_map(|(id, is_replaced)| is_replaced.then_some(id.slot))
     }
 
     /// Returns the motion of the body in a slot, if it is replaced in place.
     pub(super) fn in_place(&self, slot: usize) -> Option<&StraightMotion> {
-        let place = *self.place_of.get(slot)?;
-        let is_own = self.ids.get(place)?.slot as usize == slot;
-        (is_own && self.is_in_place[place]).then(|| &self.motions[place])
+        let place = self.states.place(slot)?;
+        self.is_in_place[place].then(|| &self.states.motions[place])
     }
 }
 

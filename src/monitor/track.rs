@@ -89,12 +89,6 @@ impl Monitor {
         self.follow_states(now, states)
     }
 
-    /// Returns the bodies whose states in the last call were late, and from when on they follow them (s).
-    #[cfg(feature = "live")]
-    pub(super) fn late_states(&self) -> &[(BodyId, f64)] {
-        &self.told.late
-    }
-
     fn follow_states(
         &mut self,
         now: f64,
@@ -126,7 +120,7 @@ impl Monitor {
             if let Some(motion) = state.ordinary_motion()
                 && is_known
             {
-                told.put((id, motion), None);
+                told.states.put((id, motion), None);
                 continue;
             }
             let taken = self.list_motion(id, state, told);
@@ -139,16 +133,11 @@ impl Monitor {
         let context = self.change_context()?;
         self.find_in_place(now, told, &context);
         told.list_others();
-        let ToldMotions {
-            ids,
-            motions,
-            others,
-            ..
-        } = told;
+        let ToldMotions { states, others, .. } = told;
         let few = (others.len(), CommandBatch::FEW);
         parallel::for_each_chunk(others, CHUNK, few, |_, some| {
             for (place, plan) in some {
-                let (id, motion) = (ids[*place], &motions[*place]);
+                let (id, motion) = (states.ids[*place], &states.motions[*place]);
                 let found = self.work_out_plan(now, (id, motion), &context);
                 *plan = found.map_err(|error| error.with_id(id));
             }
@@ -182,7 +171,7 @@ impl Monitor {
         if body.is_some_and(|body| body.hitbox.is_half_space()) {
             return Err(in_body(Error::TurningHalfSpace));
         }
-        told.put((id, motion), spin);
+        told.states.put((id, motion), spin);
         Ok(())
     }
 
@@ -191,18 +180,13 @@ impl Monitor {
     fn find_in_place(&self, now: f64, told: &mut ToldMotions, context: &ChangeContext<'_>) {
         /// Bodies that one thread looks at together.
         const CHUNK: usize = 1024;
-        let few = (told.ids.len(), CommandBatch::FEW);
+        let few = (told.states.ids.len(), CommandBatch::FEW);
         let monitored = &self.search.monitored;
-        let ToldMotions {
-            ids,
-            motions,
-            is_in_place,
-            ..
-        } = told;
-        is_in_place.resize(ids.len(), false);
+        let (states, is_in_place) = (&told.states, &mut told.is_in_place);
+        is_in_place.resize(states.ids.len(), false);
         parallel::for_each_chunk(is_in_place, CHUNK, few, |number, some| {
             let first = number * CHUNK;
-            let (ids, motions) = (&ids[first..], &motions[first..]);
+            let (ids, motions) = (&states.ids[first..], &states.motions[first..]);
             for (place, is_replaced) in some.iter_mut().enumerate() {
                 if let Some(later) = ids.get(place + CommandBatch::AHEAD) {
                     monitored.prefetch_plan(later.slot);
@@ -247,7 +231,7 @@ impl Monitor {
         self.replace_in_place(now, told)?;
         let since = self.change_context()?.forget_before;
         for (place, plan) in told.others.drain(..) {
-            let id = told.ids[place];
+            let id = told.states.ids[place];
             let plan = plan?;
             // Those that were not listed here are followed from `now` on.
             if now < plan.from() {
@@ -256,7 +240,7 @@ impl Monitor {
             match plan {
                 ToldPlan::Same(_) => told.unchanged.push(place),
                 ToldPlan::InPlace(from) => {
-                    self.replace_motion(id, (from, &told.motions[place]))?;
+                    self.replace_motion(id, (from, &told.states.motions[place]))?;
                 }
                 ToldPlan::Replan(_, replanned) => {
                     let (mut plan, monitored) = *replanned;
@@ -267,10 +251,10 @@ impl Monitor {
             }
         }
         // Last: what a body takes with another plan was worked out for the old shape.
-        for (place, spin) in told.spins.iter().enumerate() {
+        for (place, spin) in told.states.spins.iter().enumerate() {
             self.prefetch_turning(told, place);
             if let Some(spin) = spin {
-                let is_changed = self.take_spin(told.ids[place], spin, (now, since))?;
+                let is_changed = self.take_spin(told.states.ids[place], spin, (now, since))?;
                 // A body whose motion changes was counted with that.
                 let is_alone = is_changed && told.unchanged.binary_search(&place).is_ok();
                 self.count_changes(usize::from(is_alone));
@@ -283,8 +267,8 @@ impl Monitor {
     fn prefetch_turning(&self, told: &ToldMotions, place: usize) {
         const AHEAD: usize = CommandBatch::AHEAD;
         let later = |ahead: usize| {
-            told.spins.get(place + ahead)?.as_ref()?;
-            let (_, entry) = self.scene.in_slot(told.ids[place + ahead].slot)?;
+            told.states.spins.get(place + ahead)?.as_ref()?;
+            let (_, entry) = self.scene.in_slot(told.states.ids[place + ahead].slot)?;
             entry.body.orientation.turning()
         };
         if let Some(turning) = later(2 * AHEAD) {
@@ -323,7 +307,7 @@ impl Monitor {
     fn replace_in_place(&mut self, now: f64, told: &ToldMotions) -> Result<(), Error> {
         let context = self.change_context()?;
         let (window, since) = (context.window, context.forget_before);
-        if parallel::threads() > 1 && 2 * told.ids.len() > self.scene.slots() {
+        if parallel::threads() > 1 && 2 * told.states.ids.len() > self.scene.slots() {
             self.share_replacements((now, since), window, told);
         } else {
             self.replace_each((now, since), window, told);
@@ -339,19 +323,19 @@ impl Monitor {
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
         for (place, is_replaced) in told.is_in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
-            if let Some(later) = told.ids.get(place + 2 * AHEAD) {
+            if let Some(later) = told.states.ids.get(place + 2 * AHEAD) {
                 prefetch_first(&slots[later.slot as usize]);
                 monitored.prefetch_plan(later.slot);
             }
-            if let Some(later) = told.ids.get(place + AHEAD) {
+            if let Some(later) = told.states.ids.get(place + AHEAD) {
                 slots[later.slot as usize].prefetch_motion();
             }
             if !is_replaced {
                 continue;
             }
-            let slot = told.ids[place].slot;
+            let slot = told.states.ids[place].slot;
             let body = &mut slots[slot as usize];
-            let motion = &told.motions[place];
+            let motion = &told.states.motions[place];
             if let Some((trajectory, last)) = body.replace_checked((now, motion, since)) {
                 monitored.replace(slot, trajectory, last, window);
             }

@@ -140,7 +140,7 @@ impl Scene {
             if let Some(motion) = told_state.ordinary_motion()
                 && self.has(id)
             {
-                told.motions.push((id, motion));
+                told.put((id, motion), None);
                 continue;
             }
             let taken = self.check_state(id, told_state, &mut told);
@@ -151,18 +151,14 @@ impl Scene {
         }
         if checked.is_ok() {
             let many = Self::FEW.max(self.slots.len() / 2);
-            let is_shared = parallel::threads() > 1 && told.motions.len() > many;
-            if is_shared || !told.spins.is_empty() {
-                told.find_last();
-            }
-            told.keep_last_spins();
+            let is_shared = parallel::threads() > 1 && told.ids.len() > many;
             if is_shared {
                 self.follow_shared(&told);
             } else {
                 self.follow_each(&told);
             }
-            for (place, spin) in &told.spins {
-                let slot = self.slots.get_mut(told.motions[*place].0.slot as usize);
+            for (id, spin) in told.spins() {
+                let slot = self.slots.get_mut(id.slot as usize);
                 if let Some(entry) = slot.and_then(|slot| slot.entry.as_mut()) {
                     entry.body.orientation.set_spin(spin);
                 }
@@ -180,8 +176,8 @@ impl Scene {
     fn follow_each(&mut self, told: &ToldStates) {
         /// Bodies that are fetched ahead.
         const AHEAD: usize = 8;
-        for (place, (id, motion)) in told.motions.iter().enumerate() {
-            if let Some((later, _)) = told.motions.get(place + AHEAD) {
+        for (place, (id, motion)) in told.ids.iter().zip(&told.motions).enumerate() {
+            if let Some(later) = told.ids.get(place + AHEAD) {
                 self.prefetch(later.slot);
             }
             // It was found before.
@@ -196,12 +192,13 @@ impl Scene {
     fn follow_shared(&mut self, told: &ToldStates) {
         /// Slots that one thread goes through together.
         const CHUNK: usize = 1024;
+        let motion_of = |slot| told.place(slot).map(|place| &told.motions[place]);
         let slots = self.slots.chunks_mut(CHUNK);
         let mut chunks: Vec<_> = slots.map(|slots| (slots, Vec::new())).collect();
         parallel::for_each(&mut chunks, |number, (slots, others)| {
             for (place, slot) in slots.iter_mut().enumerate() {
                 let place = number * CHUNK + place;
-                if let (Some(motion), Some(entry)) = (told.last(place), &mut slot.entry)
+                if let (Some(motion), Some(entry)) = (motion_of(place), &mut slot.entry)
                     && !entry.replace_straight(motion)
                 {
                     others.push(place);
@@ -211,7 +208,7 @@ impl Scene {
         // Plans give back their memory, one after another.
         let others: Vec<usize> = chunks.into_iter().flat_map(|(_, others)| others).collect();
         for place in others {
-            if let (Some(motion), Some(entry)) = (told.last(place), &mut self.slots[place].entry) {
+            if let (Some(motion), Some(entry)) = (motion_of(place), &mut self.slots[place].entry) {
                 entry.follow_straight(motion, &mut self.arena);
             }
         }
@@ -228,13 +225,11 @@ impl Scene {
         let body = self.body(id).ok_or(Error::UnknownBody { id })?;
         let in_body = |error: Error| error.in_body(body.tag);
         let motion = state.motion().map_err(in_body)?;
-        if let Some(spin) = state.told_spin().map_err(in_body)? {
-            if body.hitbox.is_half_space() {
-                return Err(in_body(Error::TurningHalfSpace));
-            }
-            told.spins.push((told.motions.len(), spin));
+        let spin = state.told_spin().map_err(in_body)?;
+        if spin.is_some() && body.hitbox.is_half_space() {
+            return Err(in_body(Error::TurningHalfSpace));
         }
-        told.motions.push((id, motion));
+        told.put((id, motion), spin);
         Ok(())
     }
 }

@@ -215,7 +215,7 @@ impl Worker {
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Option<ReportKind>, Error> {
         let ids = self.monitor.apply(commands)?;
-        let plans: Vec<_> = self.monitor.late_plans().collect();
+        let plans: Vec<_> = self.monitor.batch.late().collect();
         if !plans.is_empty() {
             self.report(ReportKind::Late { ticket, plans });
         }
@@ -230,7 +230,7 @@ impl Worker {
         states: Vec<(BodyId, BodyState)>,
     ) -> Result<Option<ReportKind>, Error> {
         self.monitor.track(now, states)?;
-        let plans = self.monitor.late_states().to_vec();
+        let plans = self.monitor.told.late.clone();
         Ok((!plans.is_empty()).then_some(ReportKind::Late { ticket, plans }))
     }
 
