@@ -18,7 +18,7 @@ pub struct State {
 impl State {
     /// Returns a state from its parts (s, m, m/s); building a trajectory from it validates it.
     ///
-    /// Position and velocity can be vectors of [`glam`](crate::glam) (also its f32 `Vec3`), arrays or tuples of f64; with the
+    /// Position and velocity can be vectors of [`glam`] (also its f32 `Vec3`), arrays or tuples of f64; with the
     /// feature `mint`, vectors of f64 of mint.
     ///
     /// ```
