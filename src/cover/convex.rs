@@ -356,6 +356,59 @@ mod tests {
             assert!(cube.unevenness <= 0.0);
         }
     }
+
+    /// No point of a round form is beyond a polygon of its polyhedron.
+    #[test]
+    fn polyhedra_contain_round_forms() {
+        let (middle, axis) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.6, 0.0, 0.8));
+        let round = |radii| {
+            SolidForm::Round(Round {
+                middle,
+                axis,
+                radii,
+                half_height: 0.7,
+            })
+        };
+        let ends = [middle - axis, middle + axis];
+        let capsule = SolidForm::Capsule { ends, radius: 0.5 };
+        for form in [round([1.0; 2]), round([1.0, 0.0]), capsule] {
+            // The farthest place in a direction.
+            let reach = |direction: DVec3| match &form {
+                SolidForm::Round(round) => {
+                    let away = direction.reject_from_normalized(axis).length();
+                    let of_end =
+                        |(along, radius)| direction.dot(middle + axis * along) + radius * away;
+                    round
+                        .ends()
+                        .map(of_end)
+                        .into_iter()
+                        .fold(f64::MIN, f64::max)
+                }
+                _ => {
+                    ends.map(|end| direction.dot(end))
+                        .into_iter()
+                        .fold(f64::MIN, f64::max)
+                        + 0.5
+                }
+            };
+            for around in [4, 16, 64] {
+                let surface = Convex::new(form.clone()).polyhedron(around);
+                let mut count = 0;
+                for polygon in surface.polygons() {
+                    let at = |corner: usize| surface.points[corner];
+                    let area = |[a, b, c]: [usize; 3]| (at(b) - at(a)).cross(at(c) - at(a));
+                    let Some(normal) = fan(polygon).map(area).sum::<DVec3>().try_normalize() else {
+                        continue;
+                    };
+                    let beyond = reach(normal) - normal.dot(at(polygon[0]));
+                    assert!(beyond <= 1e-14, "{form:?}, {around}: {beyond:e}");
+                    count += 1;
+                }
+                assert!(count > around);
+            }
+        }
+    }
+
     /// The nearest point is in the form, and no point of the form is nearer: all are behind the plane through it.
     #[test]
     fn distances_outside_are_exact() {
