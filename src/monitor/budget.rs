@@ -116,7 +116,8 @@ impl BudgetMeter {
         (self.has_limit() || self.until.is_some()) && !self.has_to_finish
     }
 
-    /// Returns true if the tick may leave work to the next one where it chooses to.
+    /// Returns true if the tick may leave work to the next one before its budget is spent. One that is replayed ends where the
+    /// recorded one did.
     pub(super) const fn may_leave_work(&self) -> bool {
         self.has_limit() && !self.has_to_finish
     }

@@ -12,6 +12,7 @@ use std::fmt;
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SerialScene {
+    /// All slots, in order.
     #[serde(deserialize_with = "read_slots")]
     slots: Vec<SerialSlot>,
     /// Empty slots; the last one is used next.
