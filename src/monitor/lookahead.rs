@@ -40,7 +40,7 @@ use crate::stats::Stats;
 use crate::trajectory::Trajectory;
 use crate::wall_clock::Instant;
 use crate::window::Window;
-use affordable::{AffordableLookahead, FEW_TICKS};
+use affordable::AffordableLookahead;
 use query_index::QueryIndexes;
 use std::collections::{BTreeSet, VecDeque};
 use std::iter::once;
@@ -78,8 +78,8 @@ pub(super) struct LookaheadSearch {
     ends: Vec<f64>,
     /// Last version of the [partners](Scene::partners) that was taken over.
     partners: Option<(u64, u64)>,
-    /// Ticks since a search from nothing was cheaper, or most was unknown.
-    since_unknown: u32,
+    /// Ticks since a search from nothing was cheaper or most was unknown, of which idle ones count less; none if that never was.
+    pub(super) since_unknown: Option<f64>,
     pub(super) affordable: AffordableLookahead,
     /// Largest number of spans; with more the scene is too crowded.
     pub(super) max_spans: usize,
@@ -110,7 +110,7 @@ impl LookaheadSearch {
             moved: ChangedBounds::default(),
             ends: Vec::new(),
             partners: None,
-            since_unknown: FEW_TICKS,
+            since_unknown: None,
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }
@@ -235,7 +235,10 @@ impl LookaheadSearch {
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
         let is_from_nothing = self.is_cheaper_from_nothing(scene, lookahead, lookahead.0 - from);
-        let changed = (self.has_changed(), is_from_nothing);
+        let is_all_affordable = !work.meter.has_limit() || self.affordable.is_all();
+        let is_unknown = is_from_nothing || is_all_affordable && self.has_no_boxes(lookahead.1);
+        let is_unknown_again = is_unknown && self.was_unknown(scene, lookahead);
+        let changed = (self.has_changed(), is_unknown_again);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
         let clock_slice = self.grid.start(self.index(lookahead.0));
@@ -305,7 +308,8 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        if is_from_nothing.is_some_and(|is| self.is_unknown_again(is, needed))
+        let scene = work.admission.scene;
+        if is_from_nothing.is_some_and(|is| self.is_unknown_again(scene, (from, to), (is, needed)))
             && !work.meter.may_stop()
         {
             self.screen((from, to), needed, work)?;

@@ -54,7 +54,7 @@ impl Monitor {
                 .map(|slot| !self.plan_ends.has(slot))
                 .collect(),
             has_reported_all: self.has_reported_all(),
-            was_unknown: self.search.was_unknown(),
+            since_unknown: self.search.since_unknown,
         }
     }
 
@@ -130,9 +130,7 @@ impl Monitor {
         check_revision_threshold(snapshot.revision_threshold)?;
         check_setting("history", snapshot.history)?;
         monitor.now = without_negative_zero(now);
-        if snapshot.was_unknown {
-            monitor.search.note_unknown();
-        }
+        monitor.search.since_unknown = snapshot.since_unknown;
         if snapshot.has_reported_all {
             // All of it has been reported, and there was room for it. Searched anew, it may have some more spans; and the limit
             // may have been lowered since.

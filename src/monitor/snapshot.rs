@@ -30,7 +30,6 @@ pub struct Snapshot {
     pub(super) end_reported: Vec<bool>,
     /// True if another tick at the same time would change nothing.
     pub(super) has_reported_all: bool,
-    /// True if most bodies had changed in one of the last few ticks: kept boxes would not pay.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub(super) was_unknown: bool,
+    /// Ticks since most was unknown, of which idle ones count less; none if it never was.
+    pub(super) since_unknown: Option<f64>,
 }

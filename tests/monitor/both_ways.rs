@@ -93,10 +93,10 @@ fn both_tell_the_same(change: Change, seeds: Range<u64>) {
                 commands.push(Command::Remove(gone));
                 commands.push(Command::Insert(body(&mut rng, now)));
             }
-            // Far jumps are rare: after one, ticks search from nothing for a while.
-            now += match step % 20 {
-                3 => 7.0,
-                13 => 4.0,
+            // Far jumps are late: after one, ticks search from nothing for a while.
+            now += match step {
+                40 => 7.0,
+                50 => 4.0,
                 _ => rng.random_range(0.0..0.3),
             };
             let told = told.into_iter().map(|id| {

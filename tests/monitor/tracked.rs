@@ -352,7 +352,7 @@ fn life(seed: u64, seen: &mut Seen) {
             pair.tell(next, &calls[0].1, seen);
         }
         let budget = match rng.random_range(0..5) {
-            0 => Budget::Work(rng.random_range(0..60)),
+            0 | 1 => Budget::Work(rng.random_range(0..60)),
             _ => Budget::Unlimited,
         };
         let mut events = pair.advance(next, budget);

@@ -3,9 +3,6 @@
 
 use super::super::budget::BudgetMeter;
 
-/// Number of ticks within which many bodies change again where kept boxes do not pay.
-pub(super) const FEW_TICKS: u32 = 8;
-
 /// The part of the lookahead that the budget of a tick suffices for, as far as earlier ticks tell.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::monitor) struct AffordableLookahead {
@@ -13,8 +10,6 @@ pub(in crate::monitor) struct AffordableLookahead {
     share: f64,
     /// True if something has changed at this tick.
     has_changed: bool,
-    /// Ticks since so much was new that a search from nothing was cheaper.
-    since_from_nothing: u32,
     /// True if the last tick at which something had changed had to finish its search.
     had_to_finish: bool,
     /// Ticks whose known time was behind the clock and hardly gained on it, since all was known.
@@ -34,32 +29,30 @@ impl AffordableLookahead {
         Self {
             share: 1.0,
             has_changed: false,
-            since_from_nothing: FEW_TICKS,
             had_to_finish: false,
             late_ticks: 0,
             last: (now, now),
         }
     }
 
+    /// Returns true if all of the lookahead was, the last time that something had changed.
+    pub(super) fn is_all(&self) -> bool {
+        self.share >= 1.0
+    }
+
     /// Returns the instant (s) up to which a tick is to search a lookahead (first and last instant, s). `has_changed` says
-    /// if anything has changed, `is_from_nothing` if so much is new that the search is one from nothing. If the tick cannot
-    /// leave anything to the next one, the meter is told to let it finish.
+    /// if anything has changed, `is_unknown_again` if the search is one from nothing, and so it was a few ticks before. If the
+    /// tick cannot leave anything to the next one, the meter is told to let it finish.
     pub(super) fn end_of_search(
         &mut self,
         (now, end): (f64, f64),
-        (has_changed, is_from_nothing): (bool, bool),
+        (has_changed, is_unknown_again): (bool, bool),
         meter: &mut BudgetMeter,
     ) -> f64 {
         self.has_changed = has_changed;
-        let is_from_nothing_again = if is_from_nothing {
-            std::mem::take(&mut self.since_from_nothing) < FEW_TICKS
-        } else {
-            self.since_from_nothing = self.since_from_nothing.saturating_add(1);
-            false
-        };
         let is_late = self.late_ticks >= Self::MANY_LATE_TICKS;
         // What has not changed is not searched for again: it can be left to the next tick.
-        let has_to_finish = self.has_changed && (is_late || is_from_nothing_again);
+        let has_to_finish = self.has_changed && (is_late || is_unknown_again);
         if !(has_to_finish && meter.has_limit()) {
             return end;
         }

@@ -1,6 +1,7 @@
 //! The grid of time: the slices of the lookahead, and where they begin.
 
 use super::LookaheadSearch;
+use crate::rounding::last_known;
 
 impl LookaheadSearch {
     /// Returns the end of the last existing slice, s, if slices exist from `from` (s) on; else `from`.
@@ -12,14 +13,14 @@ impl LookaheadSearch {
     }
 
     /// Begins the missing slices, from the one that contains `from` to the one after that with `to`. Returns the number
-    /// of needed slices: those that have a time in common with `from..=to`.
+    /// of needed slices: those that have a time in common with `from..=to`, or an instant that may be rounded to `to`.
     pub(super) fn lay_slices(&mut self, from: f64, to: f64) -> usize {
         let mut index = self.index(from);
         let mut needed = 0;
         self.ends.clear();
         loop {
             self.ends.push(self.grid.start(index));
-            let is_needed = self.grid.start(index) <= to;
+            let is_needed = last_known(self.grid.start(index)) < to;
             let place = usize::try_from(index - self.index(from)).unwrap_or(usize::MAX);
             if place >= self.slices.len() {
                 let mut slice = self.unused.pop().unwrap_or_default();
