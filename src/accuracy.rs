@@ -46,15 +46,16 @@
 /// | model errors | known bounds of the distance of splines and world | boxes and bounding spheres contain them; `Exact` adds them to the margin, rounded up; `Certified` is certain inside margin - e and outside margin + e alone |
 /// | threshold | radii and margin are summed to within one rounding | `Certified` takes the two neighbours of the rounded sum where it had to be rounded |
 /// | solver | `Exact` counts as contact what comes within its worst-case rounding of the threshold | `Certified` proves each part of a span inside or outside (`src/enclosure`); undecided parts are reported, and join their neighbours, as unresolved |
-/// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly; contacts of a pair are one if an exact instant may be reported as the end of one and the beginning of the next |
+/// | times | the local parameter is exact, its instant is rounded | outward in `Certified`; knots are met exactly; contacts of a pair are one where no more lies between them than the rounding of their local parameters |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Accuracy {
     /// f64, good to a few roundings of the local scale, not certified. Distances within the worst
     /// case of that rounding of the margin are reported, so a touch is never lost but at an end of the
-    /// [window](crate::Window). Where one sphere of a cluster takes over from another just at the margin, a conflict may
-    /// be reported as two that are apart by that rounding.
+    /// [window](crate::Window). A conflict may begin later or end sooner, by the time in which the separation is within that
+    /// rounding of the margin. Where one sphere of a cluster takes over from another just at the margin, it may be reported as
+    /// two that are so far apart.
     #[default]
     Exact,
     /// Every conflict carries a [`Certificate`]: proven enclosures of its separation and of its times. They hold for the

@@ -448,6 +448,25 @@ fn one_sphere_takes_over_from_another() {
     }
 }
 
+/// Two points pass another one in turn. Between them, three instants of Unix time, it is farther away than the margin.
+#[test]
+fn conflicts_that_are_instants_apart_are_two() {
+    const NOW: f64 = 1.7e9;
+    let tips = [-0.005, 0.005].map(|x| Sphere::new([x, 0.0, 0.0], 0.0));
+    let flown = State::new(NOW, DVec3::ZERO, 1e4 * DVec3::X);
+    let flown = Body::new(Trajectory::coasting(flown).unwrap());
+    let flown = flown.with_hitbox(Hitbox::cluster(tips.to_vec()).unwrap());
+    let rest = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+    for (from, expected) in [(NOW - 1.0, 2), (NOW, 1)] {
+        let query = Query::new(Window::new(from, NOW + 1.0).unwrap()).with_margin(1e-3);
+        let found = pair::conflicts(&rest, &flown, &query).unwrap();
+        assert_eq!(found.len(), expected, "{found:?}");
+        assert!(found.iter().all(|one| one.clip.bits() == 0), "{found:?}");
+        let gap = found[0].exit.next_up()..found[expected - 1].enter;
+        assert!(expected == 1 || gap.contains(&NOW), "{found:?}");
+    }
+}
+
 #[test]
 fn layers_and_ignored_pairs() {
     use nearmiss::Layers;

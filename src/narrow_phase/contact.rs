@@ -9,7 +9,7 @@ use super::sphere_pair::{Approach, Contact, SpherePair};
 use super::{BodyView, contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::conflict::Clip;
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::UNIT_ROUNDOFF;
 use crate::spans::Span;
 
 /// A pair of spheres whose distance over a span is solved. Contacts at any margin and window follow without a
@@ -205,8 +205,10 @@ pub(crate) fn contacts_of<'s>(
 }
 
 /// Joins the contacts from index `first` on that overlap or touch, across spans and spheres. Where one sphere takes over from
-/// another just at the margin, the ends of both are rounded: they touch where an exact instant may be reported as either.
+/// another just at the margin, the local parameters of both ends are rounded: they touch if no more lies between them.
 pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
+    /// Rounding of a local parameter, and as much again for the distance solved.
+    const PARAMETER: f64 = 16.0 * UNIT_ROUNDOFF;
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
             .total_cmp(&y.enter)
@@ -216,16 +218,23 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
             // At a knot both spans may have a contact of no duration.
             .then(x.closest.span.start.total_cmp(&y.closest.span.start))
     });
-    let mut last = first;
+    // An end without end is that of a constant distance, which is not solved for.
+    let rounding = |contact: &Contact| {
+        let duration = contact.closest.span.end - contact.closest.span.start;
+        PARAMETER * Some(duration).filter(|it| it.is_finite()).unwrap_or(0.0)
+    };
+    let (mut last, mut rounding_of_last) = (first, contacts.get(first).map_or(0.0, rounding));
     for next in first + 1..contacts.len() {
         let contact = contacts[next];
-        if earliest_exact(contact.enter) <= latest_exact(contacts[last].exit) {
-            let joined = &mut contacts[last];
-            joined.exit = joined.exit.max(contact.exit);
+        let (joined, own_rounding) = (&mut contacts[last], rounding(&contact));
+        if contact.enter <= (joined.exit + rounding_of_last.max(own_rounding)).next_up() {
+            if contact.exit >= joined.exit {
+                (joined.exit, rounding_of_last) = (contact.exit, own_rounding);
+            }
             joined.closest = joined.closest.or_lower(contact.closest);
         } else {
             last += 1;
-            contacts[last] = contact;
+            (contacts[last], rounding_of_last) = (contact, own_rounding);
         }
     }
     contacts.truncate(contacts.len().min(last + 1));
