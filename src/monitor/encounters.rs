@@ -189,6 +189,12 @@ impl EncounterTracker {
             updated.peek() != Some(&&entry.key)
         });
         self.tracked.merge_added();
+        // Those that stay as they are have not been listed.
+        for tracked in self.tracked.values_mut() {
+            if tracked.begun && tracked.encounter.open {
+                tracked.encounter.exit = tick.known;
+            }
+        }
     }
 
     /// Adds the new encounters of a pair; its old ones stay beside them.

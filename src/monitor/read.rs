@@ -11,7 +11,7 @@ use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
 use super::solved_conflict::SolvedConflict;
 use super::solved_spans::SlotPair;
-use crate::conflict::{Clip, Conflict};
+use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{BodyView, Contact};
 use crate::scene::Scene;
@@ -82,10 +82,12 @@ impl ReadContext<'_> {
             return;
         };
         let has_plateau = self.search.solved.has_plateau(slots);
+        let rests_from = self.rests_from(slots);
         let solved = |contact: &Contact| SolvedConflict {
             conflict: conflict(contact, names, (&a, &b), domain),
             plateau: contact.closest.plateau,
             has_plateau,
+            rests_from,
         };
         let planned = |solved: SolvedConflict, enter: Option<f64>| PlannedEncounter {
             solved,
@@ -135,6 +137,7 @@ impl ReadContext<'_> {
         let SolvedConflict {
             conflict,
             has_plateau,
+            rests_from,
             ..
         } = whole;
         let interval = (conflict.enter.max(window.0), conflict.exit.min(window.1));
@@ -146,7 +149,17 @@ impl ReadContext<'_> {
             at_exit: conflict.clip.at_exit || conflict.exit >= window.1,
         };
         let time = conflict.closest.time;
-        let (closest, plateau) = if !has_plateau && window.0 < time && time < window.1 {
+        let (closest, plateau) = if *rests_from <= conflict.enter {
+            // At any instant it is as near. The first one is reported.
+            let time = interval.0;
+            (
+                ClosestApproach {
+                    time,
+                    ..conflict.closest
+                },
+                whole.plateau,
+            )
+        } else if !has_plateau && window.0 < time && time < window.1 {
             (conflict.closest, whole.plateau)
         } else {
             let approach = if *has_plateau {
@@ -224,6 +237,15 @@ impl ReadContext<'_> {
     fn contacts(&self, slots: SlotPair, margin: f64, window: (f64, f64), found: &mut Vec<Contact>) {
         let margin = self.scene.widened(slots, margin);
         self.search.solved.contacts(slots, margin, window, found);
+    }
+
+    /// Returns the instant from which on neither body of a pair moves, s; infinite if one always does.
+    fn rests_from(&self, (a, b): SlotPair) -> f64 {
+        let of_body = |slot| {
+            let body = self.scene.in_slot(slot);
+            body.map_or(f64::INFINITY, |(_, entry)| entry.body.rests_from())
+        };
+        of_body(a).max(of_body(b))
     }
 
     fn views(&self, (a, b): SlotPair) -> Option<[BodyView<'_>; 2]> {

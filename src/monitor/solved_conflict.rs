@@ -10,6 +10,8 @@ pub(super) struct SolvedConflict {
     pub(super) plateau: f64,
     /// True if the distance is constant over one of the pair's spans.
     pub(super) has_plateau: bool,
+    /// Instant from which on neither body moves, s; infinite if one always does.
+    pub(super) rests_from: f64,
 }
 
 impl SolvedConflict {

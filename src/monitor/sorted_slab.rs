@@ -67,6 +67,11 @@ impl<K: Copy + Ord, V> SortedSlab<K, V> {
         self.entries.iter().map(|entry| &self.values[entry.place])
     }
 
+    /// Returns all values in any order, and perhaps some that were dropped.
+    pub(super) fn values_mut(&mut self) -> &mut [V] {
+        &mut self.values
+    }
+
     /// Returns the value of the entry with this place.
     pub(super) fn at(&self, place: usize) -> &V {
         &self.values[place]

@@ -172,6 +172,15 @@ impl Body {
         extension.map_err(|error| error.in_body(*tag))
     }
 
+    /// Returns the instant (s) from which on it does not move or turn: see [`Trajectory::rests_from`].
+    pub(crate) fn rests_from(&self) -> f64 {
+        if self.orientation.is_fixed() {
+            self.trajectory.rests_from()
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Checks that the hitbox can turn as the orientation does.
     ///
     /// # Errors

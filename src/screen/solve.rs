@@ -12,6 +12,7 @@ use crate::narrow_phase::{
 use crate::parallel;
 use crate::search::Bodies;
 use crate::spans::{Span, SpanKey, common_window};
+use glam::DVec3;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -254,8 +255,9 @@ pub(crate) fn describe(approach: &Approach, a: &BodyView<'_>, b: &BodyView<'_>) 
     ClosestApproach {
         time: approach.time,
         separation: approach.separation,
-        position_a,
-        position_b,
+        // Without negative zeros: bodies at rest have the same positions at all times, to the bit.
+        position_a: position_a + DVec3::ZERO,
+        position_b: position_b + DVec3::ZERO,
         relative_velocity,
         sphere_a: approach.sphere_a,
         sphere_b: approach.sphere_b,

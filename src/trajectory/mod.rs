@@ -191,6 +191,19 @@ impl Trajectory {
         }
     }
 
+    /// Returns the instant (s) from which on the body rests until its trajectory ends: minus infinity if it always does,
+    /// infinity if it never does. A plan counts as one that never does.
+    pub(crate) fn rests_from(&self) -> f64 {
+        let motions = self.straight_motions();
+        match motions.last() {
+            Some(last) if last.velocity() == DVec3::ZERO => match motions.len() {
+                1 => f64::NEG_INFINITY,
+                count => self.piece_knots()[count - 1],
+            },
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Returns the straight motions between the [knots of its pieces](Self::piece_knots); none if there are
     /// [cubics](Self::cubics).
     pub(crate) fn straight_motions(&self) -> &[StraightMotion] {

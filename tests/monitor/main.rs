@@ -22,6 +22,7 @@ mod questions;
 #[cfg(feature = "recording")]
 mod recorded;
 mod reference;
+mod resting;
 mod restored;
 mod scenarios;
 mod skips;

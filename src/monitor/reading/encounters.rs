@@ -4,6 +4,7 @@
 
 use super::{WindowEdges, WindowSide};
 use crate::monitor::encounters::PlannedEncounter;
+use crate::monitor::solved_conflict::SolvedConflict;
 use crate::monitor::solved_spans::SlotPair;
 use crate::monitor::sorted_slab::{IndexEntry, SortedSlab};
 
@@ -70,7 +71,8 @@ impl EncounterCache {
     /// Lists each pair whose encounters in the window may differ from those when it was listed last:
     ///
     /// - encounters were added or dropped (not if [all are listed](Self::lists_all));
-    /// - an encounter is at an edge of the window, or has passed one;
+    /// - an encounter is at an edge of the window, or has passed one; but not one at both edges of this window and of the
+    ///   last one, of bodies that rest;
     /// - the pair is one of `wait`.
     ///
     /// `clipped` returns what the window has of a pair's encounter at its edge.
@@ -103,7 +105,9 @@ impl EncounterCache {
             let may_differ = |entry: &IndexEntry<SlotPair>| {
                 let side = edges.side_of(entry.interval);
                 let was = before.map(|before| before.side_of(entry.interval));
-                side == WindowSide::AtEdge || was != Some(side)
+                let stays =
+                    || before.is_some_and(|before| stays(all.at(entry.place), before, edges));
+                side == WindowSide::AtEdge && !stays() || was != Some(side)
             };
             if !is_touched && !entries.iter().any(may_differ) {
                 continue;
@@ -130,4 +134,16 @@ impl EncounterCache {
             (slots, self.listed[start..end].iter())
         })
     }
+}
+
+/// Returns true if a tick sees of an encounter what the tick before saw, but for the end of the known time: it began before
+/// the windows of both and ends after them, and neither body has moved meanwhile.
+fn stays(planned: &PlannedEncounter, before: WindowEdges, now: WindowEdges) -> bool {
+    let SolvedConflict {
+        conflict,
+        rests_from,
+        ..
+    } = &planned.solved;
+    let end = before.around.1.max(now.around.1);
+    conflict.enter.max(*rests_from) <= before.around.0 && conflict.exit > end
 }

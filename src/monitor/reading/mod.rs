@@ -86,6 +86,7 @@ mod tests {
             conflict: conflict(slots, interval),
             plateau: 0.0,
             has_plateau: false,
+            rests_from: f64::INFINITY,
         }
     }
 
