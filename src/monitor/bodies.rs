@@ -4,13 +4,11 @@ use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
 use crate::bounds::{CubicSource, FatLine, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
-use crate::count::short;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
-use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace};
+use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace, list_present};
 use crate::simd::InstructionSet;
-use crate::spans::common_part;
 use crate::trajectory::Segment;
 use std::ops::Range;
 
@@ -113,11 +111,7 @@ impl<'m> BodyTable<'m> {
         present: &mut Vec<u32>,
     ) {
         let lives = self.monitored.present(slots.clone());
-        let lives = slots
-            .zip(lives)
-            .filter(|(_, (life, _))| common_part(*life, interval).is_some());
-        present.clear();
-        present.extend(lives.map(|(slot, _)| short(slot)));
+        list_present(lives.map(|(life, _)| life), slots.start, interval, present);
     }
 
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,

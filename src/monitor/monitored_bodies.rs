@@ -320,7 +320,10 @@ impl MonitoredBodies {
 
     /// Returns, for each of some slots, the interval in which its body exists (s), and the number of its cubics. The
     /// interval is empty without a body, or if the body has no partner.
-    pub(super) fn present(&self, slots: Range<usize>) -> impl Iterator<Item = ((f64, f64), u32)> {
+    pub(super) fn present(
+        &self,
+        slots: Range<usize>,
+    ) -> impl ExactSizeIterator<Item = ((f64, f64), u32)> {
         self.by_slot[slots].iter().map(|monitored| {
             let Some(monitored) = monitored else {
                 return (Knots::NONE.ends(), 0);

@@ -2,19 +2,20 @@
 
 use crate::count::short;
 
-/// Lists the places of the bodies that exist within `from..=to` (s), ascending, given the first and last instant of each, s.
-/// Most bodies of long recordings exist in few slices.
-pub(super) fn list_present(
-    lifetimes: &[(f64, f64)],
+/// Lists the numbers of the bodies that exist within `from..=to` (s), ascending, given the first and last instant of each,
+/// s; bodies are numbered from `number` on. Most bodies of long recordings exist in few slices.
+pub(crate) fn list_present(
+    lifetimes: impl ExactSizeIterator<Item = (f64, f64)>,
+    number: usize,
     (from, to): (f64, f64),
     present: &mut Vec<u32>,
 ) {
     present.clear();
     present.resize(lifetimes.len(), 0);
     let mut count = 0;
-    for (place, &(first, last)) in lifetimes.iter().enumerate() {
+    for (place, (first, last)) in lifetimes.enumerate() {
         // Written in any case, kept if it exists: whether it does cannot be predicted.
-        present[count] = short(place);
+        present[count] = short(number + place);
         count += usize::from(first <= to && last >= from);
     }
     present.truncate(count);
@@ -41,7 +42,7 @@ mod tests {
             ((3.2, 3.5), &[3, 4]),
             ((6.0, 9.0), &[]),
         ] {
-            list_present(&lifetimes, interval, &mut present);
+            list_present(lifetimes.iter().copied(), 0, interval, &mut present);
             assert_eq!(present, expected);
         }
     }

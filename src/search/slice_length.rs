@@ -315,7 +315,8 @@ impl SliceTrials<'_> {
         for number in 0..tried_slices {
             let share = (f64::from(number) + 0.5) / f64::from(tried_slices);
             let first = slices.number_at(share);
-            list_present(lifetimes, slices.interval(first), present);
+            let lives = lifetimes.iter().copied();
+            list_present(lives, 0, slices.interval(first), present);
             slices.ends(first..first + 1, ends);
             self.instructions.run(FormBounds {
                 block: &mut *tried,

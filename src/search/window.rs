@@ -117,7 +117,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let mut ends = std::mem::take(&mut scratch.ends);
         slices.ends(range.clone(), &mut ends);
         let interval = (ends[0], ends[ends.len() - 1]);
-        list_present(self.lifetimes, interval, &mut scratch.present);
+        let lives = self.lifetimes.iter().copied();
+        list_present(lives, 0, interval, &mut scratch.present);
         // Taken out meanwhile, so that the rest can be borrowed beside them.
         let mut block = std::mem::take(&mut scratch.block);
         // Blocks are shared by threads where there are several.
