@@ -51,7 +51,7 @@ impl Monitor {
             pending_events,
             end_reported: (0..)
                 .take(self.scene.slots())
-                .map(|slot| !self.plan_ends.has(slot))
+                .map(|slot| self.plan_ends.at(slot) == f64::INFINITY)
                 .collect(),
             has_reported_all: self.has_reported_all(),
             since_unknown: self.search.since_unknown,
