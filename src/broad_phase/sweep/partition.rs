@@ -25,17 +25,23 @@ impl Partition {
     /// Returns `false`, with the boxes undivided, if that would hardly help or not enough copies
     /// are left: if a part keeps nearly all boxes, or too many boxes reach into several parts.
     pub(super) fn divide(&mut self, boxes: &[BodyBox], copies_left: &mut usize) -> bool {
-        let mut parts_of_boxes = std::mem::take(&mut self.parts_of_boxes);
-        parts_of_boxes.clear();
-        parts_of_boxes.extend(boxes.iter().map(|one| self.parts_of(one)));
-        self.parts_of_boxes = parts_of_boxes;
         let Self {
+            axis,
+            planes,
             ends,
             parts_of_boxes,
             ..
         } = self;
+        // A part includes its low plane, but not its high one.
+        let part_of = |coordinate| planes.partition_point(|&plane| plane <= coordinate);
+        let parts_of = |one: &BodyBox| {
+            let [low, high] = [one.aabb.mins, one.aabb.maxs].map(|corner| part_of(corner[*axis]));
+            low..high + 1
+        };
+        parts_of_boxes.clear();
+        parts_of_boxes.extend(boxes.iter().map(parts_of));
         ends.clear();
-        ends.resize(self.planes.len() + 1, 0);
+        ends.resize(planes.len() + 1, 0);
         for parts in parts_of_boxes.iter() {
             for part in parts.clone() {
                 ends[part] += 1;
@@ -77,16 +83,6 @@ impl Partition {
             let region = region.between(self.axis, low, high);
             (&self.boxes[start..self.ends[part]], region)
         })
-    }
-
-    /// Returns the parts that a box reaches: a part includes its low plane, but not its high one.
-    fn parts_of(&self, one: &BodyBox) -> Range<usize> {
-        let low = self.part_of(one.aabb.mins[self.axis]);
-        low..self.part_of(one.aabb.maxs[self.axis]) + 1
-    }
-
-    fn part_of(&self, coordinate: f32) -> usize {
-        self.planes.partition_point(|&plane| plane <= coordinate)
     }
 }
 
