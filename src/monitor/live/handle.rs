@@ -96,6 +96,9 @@ impl Shared {
 
 /// Sends requests to a live monitor, under the contract written at [`Live`](super::Live). Cheap to
 /// clone; usable from any thread.
+///
+/// No request blocks. What the monitor refuses of a request that was sent comes as
+/// [`ReportKind::Refused`](super::ReportKind::Refused), with the error of the monitor's function of the same name.
 #[derive(Clone, Debug)]
 pub struct Handle {
     requests: Sender<(Ticket, Request)>,
@@ -113,7 +116,7 @@ impl Handle {
         &self.shared
     }
 
-    /// Sends one change, a batch, or a clock request. Never blocks.
+    /// Sends one change, a batch, or a clock request.
     ///
     /// # Errors
     ///
@@ -141,7 +144,7 @@ impl Handle {
     }
 
     /// Lets each of these bodies follow a straight motion from its state, from `now` (s) on: see
-    /// [`Monitor::track`](crate::Monitor::track). Never blocks. States that come late are reported as
+    /// [`Monitor::track`](crate::Monitor::track). States that come late are reported as
     /// [`ReportKind::Late`](super::ReportKind::Late).
     ///
     /// A feed that tells all bodies and moves the clock in each frame is carried out frame by frame: nothing in it is
@@ -164,8 +167,7 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// The errors of [`send`](Self::send). A refusal by [`Monitor::track`](crate::Monitor::track)
-    /// comes as [`ReportKind::Refused`](super::ReportKind::Refused).
+    /// The errors of [`send`](Self::send).
     pub fn track<S: Into<BodyState>>(
         &self,
         now: f64,
@@ -175,7 +177,7 @@ impl Handle {
         self.send(Request::Track(now, states.collect()))
     }
 
-    /// Moves the clock to `now` (s). Never blocks.
+    /// Moves the clock to `now` (s).
     ///
     /// # Errors
     ///
@@ -185,18 +187,19 @@ impl Handle {
     }
 
     /// Sets the clock to `now` (s) without looking at the time in between: see
-    /// [`Monitor::skip_to`](crate::Monitor::skip_to). Never blocks.
+    /// [`Monitor::skip_to`](crate::Monitor::skip_to).
     ///
     /// # Errors
     ///
-    /// The errors of [`send`](Self::send). A refusal by [`Monitor::skip_to`](crate::Monitor::skip_to) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused).
+    /// The errors of [`send`](Self::send).
     pub fn skip_to(&self, now: f64) -> Result<Ticket, Unsent> {
         self.send(Request::SkipTo(now))
     }
 
-    /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: the
-    /// answer is the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
+    /// Asks which conflicts a body would have, at an alert level, if it followed `plan` from now on: see
+    /// [`Monitor::what_if`](crate::Monitor::what_if). The answer is the
+    /// [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. It is refused with
+    /// [`Error::NothingKnown`](crate::Error::NothingKnown) while the monitor is behind its clock.
     ///
     /// ```
     /// # use nearmiss::glam::DVec3;
@@ -221,10 +224,7 @@ impl Handle {
     ///
     /// # Errors
     ///
-    /// The errors of [`send`](Self::send). A refusal by
-    /// [`Monitor::what_if`](crate::Monitor::what_if) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
-    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
+    /// The errors of [`send`](Self::send).
     pub fn what_if(
         &self,
         id: BodyId,
@@ -234,16 +234,13 @@ impl Handle {
         self.send(Request::WhatIf(id, plan.into(), level))
     }
 
-    /// Asks which conflicts some bodies would have at an alert level if each followed its plan from now on: the answer is
-    /// the [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks. No budget limits the
-    /// time of the answer, in which the monitor does nothing else: ask about some hundred bodies at a time.
+    /// Asks which conflicts some bodies would have at an alert level if each followed its plan from now on: see
+    /// [`Monitor::what_if_plans`](crate::Monitor::what_if_plans). The answer comes as that of [`what_if`](Self::what_if).
+    /// No budget limits its time, in which the monitor does nothing else: ask about some hundred bodies at a time.
     ///
     /// # Errors
     ///
-    /// The errors of [`send`](Self::send). A refusal by
-    /// [`Monitor::what_if_plans`](crate::Monitor::what_if_plans) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
-    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
+    /// The errors of [`send`](Self::send).
     pub fn what_if_plans(
         &self,
         plans: impl IntoIterator<Item = (BodyId, impl Into<BodyPlan>)>,
@@ -253,15 +250,12 @@ impl Handle {
         self.send(Request::WhatIfPlans(plans.collect(), level))
     }
 
-    /// Asks which conflicts a body that is not there yet would have at an alert level: the answer is the
-    /// [`ReportKind::WhatIf`](super::ReportKind::WhatIf) with this ticket. Never blocks.
+    /// Asks which conflicts a body that is not there yet would have at an alert level: see
+    /// [`Monitor::what_if_body`](crate::Monitor::what_if_body). The answer comes as that of [`what_if`](Self::what_if).
     ///
     /// # Errors
     ///
-    /// The errors of [`send`](Self::send). A refusal by
-    /// [`Monitor::what_if_body`](crate::Monitor::what_if_body) comes as
-    /// [`ReportKind::Refused`](super::ReportKind::Refused); one of them is
-    /// [`Error::NothingKnown`](crate::Error::NothingKnown), while the monitor is behind its clock.
+    /// The errors of [`send`](Self::send).
     pub fn what_if_body(&self, body: Body, level: usize) -> Result<Ticket, Unsent> {
         self.send(Request::WhatIfBody(Box::new(body), level))
     }
