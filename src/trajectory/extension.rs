@@ -36,7 +36,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows before its first knot.
     pub(crate) fn segment_before(&self) -> Segment {
-        let (end, first) = (self.end_motion_before(), self.knots()[0]);
+        let (end, first) = (self.end_motion(0), self.knots()[0]);
         let begins_there = end.is_power_form() && end.start().total_cmp(&first).is_eq();
         match self.outside_before() {
             Outside::Extrapolate if begins_there => end.extended(),
@@ -49,7 +49,7 @@ impl Trajectory {
 
     /// Returns the cubic that the body follows after its last knot.
     pub(crate) fn segment_after(&self) -> Segment {
-        let end = self.end_motion_after();
+        let end = self.end_motion(1);
         match self.outside_after() {
             Outside::Extrapolate => end.extended(),
             _ => end.straight(),
@@ -163,7 +163,7 @@ impl Trajectory {
     /// Returns the knot that the cuts before the motion's own cubics are counted from (s), the duration of the first
     /// piece from there (negative, s), and the number of the cut at which its own cubics begin.
     pub(super) fn doubling_before(&self) -> (f64, f64, u32) {
-        let end = self.end_motion_before();
+        let end = self.end_motion(0);
         let step = end.start() - end.end();
         match self.straight() {
             Some((motion, _)) => (motion.start(), step, 1),
@@ -177,7 +177,7 @@ impl Trajectory {
         let step = match self.straight_motions().last() {
             Some(motion) => motion.duration(),
             None => {
-                let end = self.end_motion_after();
+                let end = self.end_motion(1);
                 end.end() - end.start()
             }
         };

@@ -114,8 +114,7 @@ impl PartialEq for Trajectory {
         let rules = |plan: &Self| (plan.outside_before(), plan.outside_after());
         self.knots() == other.knots()
             && self.segments() == other.segments()
-            && self.end_motion_before() == other.end_motion_before()
-            && self.end_motion_after() == other.end_motion_after()
+            && self.end_motions() == other.end_motions()
             && rules(self) == rules(other)
     }
 }
@@ -215,23 +214,18 @@ impl Trajectory {
         }
     }
 
-    /// Returns the end motion before the first knot.
-    fn end_motion_before(&self) -> Segment {
-        match &self.storage {
-            Storage::Straight(motion, _) => motion.segment(),
-            Storage::Recent(_) | Storage::Many(_) => self.straight_motions()[0].segment(),
-            Storage::Lists(lists) => lists.segments.extra()[0],
+    /// Returns the end motion before the first knot (0) or after the last one (1).
+    fn end_motion(&self, end: usize) -> Segment {
+        if let Storage::Lists(lists) = &self.storage {
+            return lists.segments.extra()[end];
         }
+        let motions = self.straight_motions();
+        motions[end * (motions.len() - 1)].segment()
     }
 
-    /// Returns the end motion after the last knot.
-    fn end_motion_after(&self) -> Segment {
-        match &self.storage {
-            Storage::Straight(motion, _) => motion.segment(),
-            Storage::Recent(recent) => recent.last().segment(),
-            Storage::Many(many) => many.motions()[many.motions().len() - 1].segment(),
-            Storage::Lists(lists) => lists.segments.extra()[1],
-        }
+    /// Returns both end motions.
+    fn end_motions(&self) -> [Segment; 2] {
+        [self.end_motion(0), self.end_motion(1)]
     }
 
     /// Returns the times of the knots, s, increasing. A body at rest has a single one, at 0 s. A body that only coasts

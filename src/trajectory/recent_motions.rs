@@ -83,11 +83,6 @@ impl RecentMotions {
         })
     }
 
-    /// Returns the motion after the last knot.
-    pub(super) fn last(&self) -> &StraightMotion {
-        &self.motions[self.pieces() - 1]
-    }
-
     /// Replaces the motion, without checks: [`LastMotion::is_replaced_by`] must be true. Then the motion so far goes on in
     /// one piece. Returns the facts that a further motion is checked against; `None`, and changes nothing, if there is no
     /// room.

@@ -25,11 +25,7 @@ impl From<Trajectory> for Numbers {
         Self {
             knots: trajectory.knots().to_vec(),
             segments: trajectory.segments().iter().map(Segment::numbers).collect(),
-            ends: [
-                trajectory.end_motion_before(),
-                trajectory.end_motion_after(),
-            ]
-            .map(|end| end.numbers()),
+            ends: trajectory.end_motions().map(|end| end.numbers()),
             outside: [trajectory.outside_before(), trajectory.outside_after()],
         }
     }
@@ -89,7 +85,6 @@ impl TryFrom<Numbers> for Trajectory {
         let is_line = last == 0
             && outside == [Outside::Coast; 2]
             && ends[0] == ends[1]
-            && ends[0] == ends[0].straight()
             && ends[0].start().total_cmp(&knots[0]).is_eq();
         if let Some(motion) = StraightMotion::of(&ends[0]).filter(|_| is_line) {
             return Ok(Self::of_straight(motion));

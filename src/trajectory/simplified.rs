@@ -65,7 +65,7 @@ impl Trajectory {
             return Ok(Fit::proven(self.clone(), 0.0));
         }
         knots.extend(own_knots.last());
-        let ends = [self.end_motion_before(), self.end_motion_after()];
+        let ends = self.end_motions();
         let rules = [self.outside_before(), self.outside_after()];
         let simplified = Self::of_cubics(&knots, &segments, &ends, rules);
         Ok(Fit::proven(simplified, error))

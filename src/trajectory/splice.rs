@@ -154,7 +154,7 @@ impl Trajectory {
         let before = if old_knots.first().is_some_and(|&first| from < first) {
             old.segment_before()
         } else {
-            old.end_motion_before()
+            old.end_motion(0)
         };
         let is_line = self.straight().is_some();
         let lists = self.as_lists();
@@ -193,7 +193,7 @@ impl Trajectory {
                 Some(SegmentLists::new(knot, &[], &ends, [Outside::Coast; 2]))
             }
             Storage::Recent(_) | Storage::Many(_) => {
-                let ends = [self.end_motion_before(), self.end_motion_after()];
+                let ends = self.end_motions();
                 let rules = [self.outside_before(), Outside::Coast];
                 let mut lists = SegmentLists::new(self.knots(), self.segments(), &ends, rules);
                 lists.add_piece_after();
