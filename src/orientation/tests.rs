@@ -10,16 +10,13 @@ use super::given::GivenRotation;
 use super::turning::{Turning, TurningSection};
 use crate::accuracy::Accuracy;
 use crate::error::{Error, Quantity};
+use crate::rounding::exact::vector;
 use crate::trajectory::Outside;
 use exact::*;
 use glam::{DQuat, DVec3};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::{PI, TAU};
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
-}
 
 fn rotation(rng: &mut ChaCha8Rng) -> DQuat {
     let any = [0; 4].map(|_| rng.random_range(-1.0..1.0));
@@ -108,11 +105,10 @@ fn cubics_stay_within_their_error() {
         for step in 0..=4 {
             let s = big(f64::from(step) / 4.0);
             let time = big(start) + &s * (big(end) - big(start));
-            let place = turned(&exact(&given, &time), point);
-            let found = on_cubic(&points, &s);
-            let off = [0, 1, 2].map(|axis| &place[axis] - &found[axis]);
-            let off = off.iter().map(|x| x * x).fold(big(0.0), |sum, x| sum + x);
-            let off = off.sqrt().to_f64().value();
+            let off = off(
+                &turned(&exact(&given, &time), point),
+                &on_cubic(&points, &s),
+            );
             assert!(off <= error, "{kind}: {off} {error} {given:?} {section:?}");
             closest = closest.max(off / error);
             count += 1;

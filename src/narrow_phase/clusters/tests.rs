@@ -16,6 +16,7 @@ use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::narrow_phase::{Approach, Contact};
 use crate::orientation::Orientation;
+use crate::rounding::exact::vector;
 use crate::shape::BodyShape;
 use crate::spans::{Span, spans};
 use crate::trajectory::{Pieces, State, Trajectory};
@@ -41,10 +42,6 @@ struct Case {
     /// Common domain of both bodies, s.
     start: f64,
     end: f64,
-}
-
-fn vector(rng: &mut ChaCha8Rng, half: f64) -> DVec3 {
-    DVec3::from_array([0; 3].map(|_| rng.random_range(-half..=half)))
 }
 
 /// Returns the first instant of the plans of a kind, s: some are late, where instants are rounded.

@@ -53,6 +53,13 @@ pub(super) fn as_given(q: DQuat) -> BigQuaternion {
     unit(&q.to_array().map(big))
 }
 
+/// Returns the rotation of a spin after some time.
+fn spun(velocity: [Big; 3], time: &Big) -> BigQuaternion {
+    let speed = length(&velocity);
+    let half = &speed * time / big(2.0);
+    about(velocity, &speed, &half)
+}
+
 /// Returns the rotation about a vector by an angle in proportion to it.
 pub(super) fn about(vector: [Big; 3], length: &Big, half: &Big) -> BigQuaternion {
     if *length == big(0.0) {
@@ -67,9 +74,10 @@ pub(super) fn about(vector: [Big; 3], length: &Big, half: &Big) -> BigQuaternion
 /// and half its angle.
 pub(super) fn arc(from: &BigQuaternion, to: &BigQuaternion) -> ([Big; 3], Big, Big) {
     let [x, y, z, w] = product(to, &conjugate(from));
-    let length = (&x * &x + &y * &y + &z * &z).sqrt();
+    let axis = [x, y, z];
+    let length = length(&axis);
     let half = length.atan2(&w);
-    ([x, y, z], length, half)
+    (axis, length, half)
 }
 
 pub(super) fn knots(knots: &[(f64, DQuat)]) -> Vec<(Big, BigQuaternion)> {
@@ -100,10 +108,7 @@ pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
             angular_velocity,
         } => {
             let velocity = angular_velocity.to_array().map(big);
-            let [x, y, z] = &velocity;
-            let speed = (x * x + y * y + z * z).sqrt();
-            let half = &speed * (time - big(*at)) / big(2.0);
-            product(&about(velocity, &speed, &half), &as_given(*rotation))
+            product(&spun(velocity, &(time - big(*at))), &as_given(*rotation))
         }
         GivenRotation::Slerp {
             knots: own,
@@ -140,31 +145,18 @@ pub(super) fn exact(given: &GivenRotation, time: &Big) -> BigQuaternion {
                 }
                 let [x, y, z, _] = product(&slope(end), &conjugate(rotation));
                 let velocity = [x, y, z].map(|lane| lane * big(2.0));
-                let [x, y, z] = &velocity;
-                let speed = (x * x + y * y + z * z).sqrt();
-                let half = &speed * (time - at) / big(2.0);
-                return product(&about(velocity, &speed, &half), rotation);
+                return product(&spun(velocity, &(time - at)), rotation);
             }
             let ((start, from), (end, to)) = (&knots[number - 1], &knots[number]);
             let duration = end - start;
             let s = (time - start) / &duration;
-            let r = big(1.0) - &s;
             let third = &duration / big(3.0);
             let leave = sum(from, &scaled(&slope(number - 1), &third));
             let arrive = sum(to, &scaled(&slope(number), &-third));
-            let weights = [
-                &r * &r * &r,
-                big(3.0) * &r * &r * &s,
-                big(3.0) * &r * &s * &s,
-                &s * &s * &s,
-            ];
-            let points = [from, &leave, &arrive, to];
-            points
-                .iter()
-                .zip(&weights)
-                .map(|(point, weight)| scaled(point, weight))
-                .reduce(|p, q| sum(&p, &q))
-                .unwrap()
+            let points = [from, &leave, &arrive, to].into_iter();
+            let terms = points.zip(weights(&s));
+            let terms = terms.map(|(point, weight)| scaled(point, &weight));
+            terms.reduce(|p, q| sum(&p, &q)).unwrap()
         }
     }
 }
@@ -177,15 +169,32 @@ pub(super) fn turned(q: &BigQuaternion, point: DVec3) -> [Big; 3] {
     [x, y, z]
 }
 
-/// Returns the point of a cubic.
-pub(super) fn on_cubic(points: &[DVec3; 4], s: &Big) -> [Big; 3] {
+/// Returns the weights of a cubic's control points.
+fn weights(s: &Big) -> [Big; 4] {
     let r = big(1.0) - s;
-    let weights = [
+    [
         &r * &r * &r,
         big(3.0) * &r * &r * s,
         big(3.0) * &r * s * s,
         s * s * s,
-    ];
+    ]
+}
+
+/// Returns the length of a vector.
+pub(super) fn length(vector: &[Big; 3]) -> Big {
+    let [x, y, z] = vector;
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Returns the distance of two points, rounded.
+pub(super) fn off(place: &[Big; 3], other: &[Big; 3]) -> f64 {
+    let apart = [0, 1, 2].map(|axis| &place[axis] - &other[axis]);
+    length(&apart).to_f64().value()
+}
+
+/// Returns the point of a cubic.
+pub(super) fn on_cubic(points: &[DVec3; 4], s: &Big) -> [Big; 3] {
+    let weights = weights(s);
     [0, 1, 2].map(|axis| {
         let lanes = points.iter().zip(&weights);
         lanes

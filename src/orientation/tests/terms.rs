@@ -7,16 +7,6 @@ use crate::orientation::quaternion_cubic::QuaternionCubic;
 use crate::rounding::norm;
 use glam::DMat3;
 
-/// Returns the length of the difference of two vectors, relative to a length.
-fn off(place: &[Big; 3], other: &[Big; 3]) -> f64 {
-    let squares = [0, 1, 2].map(|axis| {
-        let apart = &place[axis] - &other[axis];
-        &apart * &apart
-    });
-    let [x, y, z] = squares;
-    (x + y + z).sqrt().to_f64().value()
-}
-
 /// Checks that the axes of a body are within the error of their cubics, which do not round them.
 /// Returns the largest error found over the bound.
 fn check(baked: &BakedRotation, (start, end): (f64, f64), given: &GivenRotation) -> f64 {
@@ -75,13 +65,7 @@ fn rounding_of_what_goes_on() {
         let first = rotation(&mut rng).normalize();
         let angle = [1e-7, 1e-3, 1.0][kind % 3];
         let turn = DQuat::from_scaled_axis(vector(&mut rng, angle));
-        let knots = vec![(0.0, first), (1.0, (turn * first).normalize())];
-        let outside = Outside::Coast;
-        let given = if kind % 2 == 0 {
-            GivenRotation::Slerp { knots, outside }
-        } else {
-            GivenRotation::NormalizedCubic { knots, outside }
-        };
+        let given = going_on(first, (turn * first).normalize())[kind % 2].clone();
         let orientation = Orientation::of(given.clone()).unwrap();
         let orientation = orientation.with_tolerance(0.1).unwrap();
         let turning = orientation.turning().unwrap();
@@ -272,16 +256,15 @@ fn enlarged_spheres_are_within_reach() {
         let (centre, radius) = (vector(&mut rng, arm), rng.random_range(0.0..=radius));
         let enlarged = baked.radius_and_error((centre, radius), Accuracy::Exact).0;
         assert!(big(enlarged) >= big(radius) + big(baked.error_of(centre)));
-        let length = norm(centre).next_up();
-        let bound = turning.reach((length + radius).next_up(), length);
+        let farthest = norm(centre).next_up();
+        let bound = turning.reach((farthest + radius).next_up(), farthest);
         let points = baked.way(centre);
         for step in 0..=8 {
             let place = on_cubic(&points, &big(f64::from(step) / 8.0));
-            let square = place.iter().map(|x| x * x).fold(big(0.0), |sum, x| sum + x);
-            let needed = square.sqrt() + big(enlarged);
+            let needed = length(&place) + big(enlarged);
             assert!(needed <= big(bound), "{kind} {baked:?} {centre} {radius}");
-            let excess = (needed - big(length)).to_f64().value() - radius;
-            closest = closest.max(excess / (tolerance * length));
+            let excess = (needed - big(farthest)).to_f64().value() - radius;
+            closest = closest.max(excess / (tolerance * farthest));
         }
     }
     assert!(unknown < 30 && closest > 0.9, "{unknown} {closest}");
