@@ -1,12 +1,13 @@
-//! A turning cluster above a half-space.
+//! A cluster or a turning body above a half-space.
 //!
-//! As with two bodies, the bounding sphere shows when the cluster may be near the plane, and the
+//! As with two bodies, the bounding sphere shows when the body may be near the plane, and the
 //! span is cut there where the rotation's cubic ends. In each part every sphere's height is a cubic
 //! of its own. A sphere need not be solved while another one is lower, by more than rounding, over
 //! the whole part.
 
 use super::sections::{Rotations, Section, Sections, each_near, nearest_first};
 use crate::accuracy::Accuracy;
+use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::half_space::{PlanePair, SphereAlong};
 use crate::narrow_phase::relative::rejection_threshold;
@@ -14,16 +15,15 @@ use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::orientation::BakedRotation;
 use crate::real::least_of;
 use crate::spans::Span;
-use glam::DVec3;
 
-/// A turning body and a half-space over a span.
-pub(super) struct TurningOverPlane<'a> {
+/// A body that is a cluster or turns, and a half-space over a span.
+pub(super) struct ClusterOverPlane<'a> {
     views: [&'a BodyView<'a>; 2],
     pair: PlanePair<'a>,
     accuracy: Accuracy,
 }
 
-impl<'a> TurningOverPlane<'a> {
+impl<'a> ClusterOverPlane<'a> {
     /// Returns the pair, or `None` if neither is a half-space.
     pub(super) fn of(
         a: &'a BodyView<'a>,
@@ -104,15 +104,7 @@ impl<'a> TurningOverPlane<'a> {
         if margin < f64::INFINITY && least > self.pair.bound(margin, section.span) {
             return;
         }
-        let rotations = rotations.over(self.views, section, self.accuracy);
-        let rotation = rotations[usize::from(self.pair.is_first)];
-        let spheres = (0..).zip(self.pair.body.spheres);
-        ways.clear();
-        ways.extend(
-            spheres.map(|(number, sphere)| {
-                self.sphere(number, (sphere.offset, sphere.radius), rotation)
-            }),
-        );
+        self.list_spheres(section, (rotations, ways));
         // Those that are lowest at a control point.
         let mut lowest_ones = [(f64::INFINITY, [0.0; 4]); 4];
         for sphere in &*ways {
@@ -143,6 +135,19 @@ impl<'a> TurningOverPlane<'a> {
         }
     }
 
+    /// Lists all spheres of the body over a part of the span.
+    fn list_spheres(
+        &self,
+        section: &Section,
+        (rotations, ways): (&mut Rotations, &mut Vec<SphereAlong>),
+    ) {
+        let rotations = rotations.over(self.views, section, self.accuracy);
+        let rotation = rotations[usize::from(self.pair.is_first)];
+        let spheres = (0..).zip(self.pair.body.spheres);
+        ways.clear();
+        ways.extend(spheres.map(|(number, sphere)| self.sphere(number, sphere, rotation)));
+    }
+
     fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
         let [a, b] = self.views;
         Sections::of((a, b), self.pair.span, self.accuracy, interval)
@@ -160,9 +165,10 @@ impl<'a> TurningOverPlane<'a> {
     fn sphere(
         &self,
         number: u32,
-        (centre, radius): (DVec3, f64),
+        sphere: &Sphere,
         rotation: Option<&BakedRotation>,
     ) -> SphereAlong {
+        let (centre, radius) = (sphere.offset, sphere.radius);
         let Some(rotation) = rotation else {
             let (along, rounding) = (self.pair.along(centre), self.pair.rounding_along(centre));
             return SphereAlong::resting(number, radius, along, rounding);
@@ -181,22 +187,16 @@ impl<'a> TurningOverPlane<'a> {
 }
 
 #[cfg(test)]
-impl TurningOverPlane<'_> {
+impl ClusterOverPlane<'_> {
     /// Calls `visit` with every sphere in each part of the span.
     pub(super) fn each_sphere(&self, mut visit: impl FnMut(&SpherePair, Span)) {
         let span = self.pair.span;
+        let (mut rotations, mut ways) = (Rotations::default(), Vec::new());
         for section in self.sections((span.start, span.end)) {
-            let heights = self.pair.heights(section.span);
-            let mut rotations = Rotations::default();
-            let rotations = rotations.over(self.views, &section, self.accuracy);
-            let rotation = rotations[usize::from(self.pair.is_first)];
-            for (number, sphere) in (0..).zip(self.pair.body.spheres) {
-                let sphere = (sphere.offset, sphere.radius);
-                let sphere = self.sphere(number, sphere, rotation);
-                visit(
-                    &self.pair.sphere_pair(section.span, &heights, &sphere),
-                    section.span,
-                );
+            let (span, heights) = (section.span, self.pair.heights(section.span));
+            self.list_spheres(&section, (&mut rotations, &mut ways));
+            for sphere in &ways {
+                visit(&self.pair.sphere_pair(span, &heights, sphere), span);
             }
         }
     }

@@ -24,7 +24,6 @@ mod part;
 mod proven;
 mod search;
 mod sections;
-mod shares;
 mod stretch;
 #[cfg(test)]
 mod tests;
@@ -38,7 +37,7 @@ use super::sphere_pair::SpherePair;
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 use glam::DVec3;
-use half_space::TurningOverPlane;
+use half_space::ClusterOverPlane;
 use nearest::NearestQuestion;
 use part::{PartScratch, SpheresOverPart};
 pub(super) use proven::ProvenContact;
@@ -217,8 +216,8 @@ impl<'a> ClusterPair<'a> {
     }
 
     /// Returns the pair if one body is a half-space.
-    fn over_plane(&self) -> Option<TurningOverPlane<'a>> {
-        TurningOverPlane::of(self.a, self.b, self.span, self.accuracy)
+    fn over_plane(&self) -> Option<ClusterOverPlane<'a>> {
+        ClusterOverPlane::of(self.a, self.b, self.span, self.accuracy)
     }
 
     fn sections(&self, interval: (f64, f64)) -> Sections<'a> {
