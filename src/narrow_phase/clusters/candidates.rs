@@ -43,11 +43,6 @@ impl SphereCandidate {
         }
     }
 
-    /// Returns the two spheres over both halves of the interval.
-    fn halves(&self) -> [Self; 2] {
-        halves(&self.bernstein).map(|bernstein| Self { bernstein, ..*self })
-    }
-
     /// Returns a lower bound of the separation, in the unit of lengths.
     pub(super) fn least(&self) -> f64 {
         self.distance - self.radii
@@ -99,28 +94,16 @@ impl SphereCandidate {
     }
 }
 
-/// Returns the Bernstein coefficients of both halves of an interval.
-fn halves(bernstein: &[f64; 7]) -> [[f64; 7]; 2] {
-    divide(bernstein, |first, second| 0.5 * (first + second))
-}
-
-/// Returns the Bernstein coefficients before and after a share of an interval.
-fn split(bernstein: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
-    divide(bernstein, |first, second| {
-        (1.0 - share) * first + share * second
-    })
-}
-
-/// Divides a polynomial (de Casteljau); `mean` mixes two neighbouring Bernstein coefficients.
+/// Returns the Bernstein coefficients before and after a share of an interval (de Casteljau).
 #[inline(always)]
-fn divide(bernstein: &[f64; 7], mean: impl Fn(f64, f64) -> f64) -> [[f64; 7]; 2] {
+fn split(bernstein: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
     let (mut first, mut second) = (*bernstein, *bernstein);
     let mut row = *bernstein;
     for degree in (0..7).rev() {
         first[6 - degree] = row[0];
         second[degree] = row[degree];
         for place in 0..degree {
-            row[place] = mean(row[place], row[place + 1]);
+            row[place] = (1.0 - share) * row[place] + share * row[place + 1];
         }
     }
     [first, second]
@@ -135,7 +118,7 @@ fn is_above(bernstein: &[f64; 7], bound: f64, halvings: u32) -> bool {
     halvings > 0
         && bernstein[0] > bound
         && bernstein[6] > bound
-        && halves(bernstein)
+        && split(bernstein, 0.5)
             .iter()
             .all(|half| is_above(half, bound, halvings - 1))
 }
@@ -183,9 +166,11 @@ pub(super) fn find_nearest(
         return;
     }
     for place in first..end {
-        let [before, after] = candidates[place].halves();
-        candidates[place] = before;
-        candidates.push(after);
+        let one = candidates[place];
+        let [before, after] = split(&one.bernstein, 0.5);
+        candidates[place].bernstein = before;
+        let bernstein = after;
+        candidates.push(SphereCandidate { bernstein, ..one });
     }
     for first in [end, first] {
         find_nearest(candidates, first, slack, halvings - 1, nearest);
@@ -218,7 +203,11 @@ mod tests {
         for round in 0..1_000 {
             let way = DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
             let meeting = candidate([-way, way / -3.0, way / 3.0, way]);
-            for half in meeting.halves() {
+            for bernstein in split(&meeting.bernstein, 0.5) {
+                let half = SphereCandidate {
+                    bernstein,
+                    ..meeting
+                };
                 let is_behind = half.is_behind(&(near, near.farthest()), slack);
                 assert!(!is_behind, "{round} {way}");
             }
