@@ -1,7 +1,7 @@
 //! A turning motion over an interval as a cubic, which carries every point of the body.
 
 use crate::accuracy::Accuracy;
-use crate::blossom::{restrict, restrict_to};
+use crate::blossom::restrict_to;
 use crate::rounding::{UNIT_ROUNDOFF, latest_exact, norm};
 use glam::{DMat3, DVec3};
 
@@ -140,20 +140,5 @@ impl BakedRotation {
         let instant = |share: f64| self.start + share * (self.end - self.start);
         let points = restrict_to(&self.points, (0.0, 1.0), (from, to));
         Self::new((instant(from), instant(to)), points, self.error)
-    }
-
-    /// Returns the control points over the first half of the interval or the second one: those of the cubic, but
-    /// for three roundings.
-    pub(crate) fn half(&self, number: usize) -> Self {
-        let mean = |p: DMat3, q: DMat3| (p + q) * 0.5;
-        let middle = self.start + 0.5 * (self.end - self.start);
-        let (ends, points) = if number == 0 {
-            let points = restrict(&self.points, |p, _| p, mean);
-            ((self.start, middle), points)
-        } else {
-            let points = restrict(&self.points, mean, |_, q| q);
-            ((middle, self.end), points)
-        };
-        Self::new(ends, points, self.error)
     }
 }

@@ -7,7 +7,6 @@
 use super::candidates::SphereCandidate;
 use super::near::{ListedSphere, NearSpheres, SpherePath, deviation};
 use crate::accuracy::Accuracy;
-use crate::blossom::restrict;
 use crate::hitbox::Sphere;
 use crate::narrow_phase::BodyView;
 use crate::narrow_phase::approach::retain_from;
@@ -94,24 +93,12 @@ impl Interval {
         squares.into_iter().fold(0.0, f64::max)
     }
 
-    /// Returns the first half or the second one.
+    /// Returns the first half or the second one. Halves have three roundings: other weights than a half are 0 and 1.
     pub(super) fn half(&self, number: usize) -> Self {
         let middle = 0.5 * (self.ends.0 + self.ends.1);
-        let ends = [(self.ends.0, middle), (middle, self.ends.1)];
-        let mean = |p: DVec3, q: DVec3| 0.5 * (p + q);
-        let [a, b] = &self.rotations;
-        Self {
-            ends: ends[number],
-            base: if number == 0 {
-                restrict(&self.base, |p, _| p, mean)
-            } else {
-                restrict(&self.base, mean, |_, q| q)
-            },
-            rotations: [
-                a.as_ref().map(|rotation| rotation.half(number)),
-                b.as_ref().map(|rotation| rotation.half(number)),
-            ],
-        }
+        let ends = [(self.ends.0, middle), (middle, self.ends.1)][number];
+        let half = self.stretch([(0.0, 0.5), (0.5, 1.0)][number]);
+        Self { ends, ..half }
     }
 
     /// Returns the control points of a point of a body relative to the body's position, m.
