@@ -1,5 +1,6 @@
-//! Parts of cubics in Bézier form.
+//! Parts of cubics and of polynomials in Bézier form.
 
+use crate::real::Real;
 use glam::DVec3;
 use std::ops::{Add, Mul};
 
@@ -25,6 +26,24 @@ pub(crate) fn restrict<T: Copy>(
         start(bb0, bb1),
         end(bb0, bb1),
     ]
+}
+
+/// Returns the Bernstein coefficients of a polynomial before and after a share of its interval (de Casteljau).
+#[inline(always)]
+pub(crate) fn divide<R: Real, const N: usize>(coefficients: [R; N], share: R) -> [[R; N]; 2] {
+    let other = R::from_f64(1.0) - share;
+    let (mut first, mut second) = (coefficients, coefficients);
+    let mut step = 1;
+    while step < N {
+        let mut i = 0;
+        while i < N - step {
+            second[i] = other * second[i] + share * second[i + 1];
+            i += 1;
+        }
+        first[step] = second[0];
+        step += 1;
+    }
+    [first, second]
 }
 
 /// Returns the control points of the part between two times of a cubic, whose interval has these ends.

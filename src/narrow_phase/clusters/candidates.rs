@@ -1,6 +1,7 @@
 //! Pairs of spheres that may come within a margin, and which of them may be the nearest ones.
 
 use super::proven::BoundStep;
+use crate::blossom::divide;
 use crate::enclosure::squared_distance;
 use crate::narrow_phase::approach::retain_from;
 use crate::narrow_phase::sphere_pair::difference_of_squares;
@@ -56,7 +57,7 @@ impl SphereCandidate {
             let mut step = bernstein;
             if end < 1.0 {
                 let share = (end - start) / (1.0 - start);
-                [step, bernstein] = split(&bernstein, share);
+                [step, bernstein] = divide(bernstein, share);
             }
             start = end;
             let distance = within(bound) + self.radii;
@@ -94,21 +95,6 @@ impl SphereCandidate {
     }
 }
 
-/// Returns the Bernstein coefficients before and after a share of an interval (de Casteljau).
-#[inline(always)]
-fn split(bernstein: &[f64; 7], share: f64) -> [[f64; 7]; 2] {
-    let (mut first, mut second) = (*bernstein, *bernstein);
-    let mut row = *bernstein;
-    for degree in (0..7).rev() {
-        first[6 - degree] = row[0];
-        second[degree] = row[degree];
-        for place in 0..degree {
-            row[place] = (1.0 - share) * row[place] + share * row[place + 1];
-        }
-    }
-    [first, second]
-}
-
 /// Returns true if a polynomial is above a bound, as can be told by halving the interval so many times.
 fn is_above(bernstein: &[f64; 7], bound: f64, halvings: u32) -> bool {
     if bernstein.iter().all(|&coefficient| coefficient > bound) {
@@ -118,7 +104,7 @@ fn is_above(bernstein: &[f64; 7], bound: f64, halvings: u32) -> bool {
     halvings > 0
         && bernstein[0] > bound
         && bernstein[6] > bound
-        && split(bernstein, 0.5)
+        && divide(*bernstein, 0.5)
             .iter()
             .all(|half| is_above(half, bound, halvings - 1))
 }
@@ -167,7 +153,7 @@ pub(super) fn find_nearest(
     }
     for place in first..end {
         let one = candidates[place];
-        let [before, after] = split(&one.bernstein, 0.5);
+        let [before, after] = divide(one.bernstein, 0.5);
         candidates[place].bernstein = before;
         let bernstein = after;
         candidates.push(SphereCandidate { bernstein, ..one });
@@ -203,7 +189,7 @@ mod tests {
         for round in 0..1_000 {
             let way = DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
             let meeting = candidate([-way, way / -3.0, way / 3.0, way]);
-            for bernstein in split(&meeting.bernstein, 0.5) {
+            for bernstein in divide(meeting.bernstein, 0.5) {
                 let half = SphereCandidate {
                     bernstein,
                     ..meeting

@@ -11,6 +11,7 @@
 //! settled, that guess stays and only the proof is repeated.
 
 use super::certificate::{Deflated, Guess};
+use crate::blossom::divide;
 use crate::guess::{
     CentredCubic, ControlPoints, LaneSquaredDistance, RefinedGuess, descend_safely, polish, settle,
     squared_distance,
@@ -110,7 +111,7 @@ pub(super) fn certify_against(
 ) -> f32 {
     let remainder = DeflatedRemainder::new(squared_distance, u);
     let rival = remainder.deflated.sign * rival;
-    let (low, high) = split(
+    let [low, high] = divide(
         remainder.bernstein(),
         0.5 * (remainder.least_point(rival) + 1.0),
     );
@@ -222,31 +223,11 @@ impl DeflatedRemainder {
     }
 }
 
-/// Returns the Bernstein coefficients on both sides of a local time 0..=1.
-#[inline(always)]
-fn split(k: [f32; 6], s: f32) -> ([f32; 6], [f32; 6]) {
-    let t = 1.0 - s;
-    let mut left = k;
-    let mut right = k;
-    let mut step = 1;
-    while step < 6 {
-        let mut i = 0;
-        while i < 6 - step {
-            right[i] = t * right[i] + s * right[i + 1];
-            i += 1;
-        }
-        left[step] = right[0];
-        step += 1;
-    }
-    (left, right)
-}
-
 /// Returns the least coefficient on the four quarters of a piece.
 #[inline(always)]
 fn least_of_quarters(k: [f32; 6]) -> f32 {
-    let (low, high) = split(k, 0.5);
-    let (a, b) = split(low, 0.5);
-    let (c, d) = split(high, 0.5);
+    let [low, high] = divide(k, 0.5);
+    let ([a, b], [c, d]) = (divide(low, 0.5), divide(high, 0.5));
     (least(a).min_or_other(least(b))).min_or_other(least(c).min_or_other(least(d)))
 }
 
