@@ -341,7 +341,8 @@ pub enum Error {
     /// More pairs may be in contact than the limit: a crowd, or a margin as large as the world.
     #[error(
         "too many pairs may be in conflict (with room for {limit} of their spans{}): narrow the window \
-         (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)",
+         (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans); \
+         in a monitor, each two spheres and each turn of clusters have spans of their own, and skip_to goes on",
         crowd.map_or(String::new(), |crowd| format!("; {crowd}"))
     )]
     TooCrowded {

@@ -175,7 +175,8 @@ const QUESTIONS: &[(Attempt, &str)] = &[
         scene.insert(body())?;
         done(scene.screen(&Query::default().with_max_spans(0))?)
     }, "too many pairs may be in conflict (with room for 0 of their spans; body 0v0 (tag 4) comes near 1 other, to most \
-        at 0.0 s): narrow the window (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans)"),
+        at 0.0 s): narrow the window (the lookahead) or the margin, leave pairs out (layers, ignored pairs), or raise the limit (max_spans); \
+        in a monitor, each two spheres and each turn of clusters have spans of their own, and skip_to goes on"),
     (|| {
         let rests = Body::new(Trajectory::at_rest(DVec3::ZERO)?);
         done(Scene::new().conflicts_with(&rests, &Query::default())?)

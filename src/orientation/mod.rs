@@ -60,7 +60,9 @@ use turning::OrientationPart;
 ///
 /// The numbers hold for `spin`, and for whole revolutions of `slerp`. Cubics are formed while two
 /// bodies' bounding spheres are within the margin, and not before. The time taken grows with their
-/// number, so with the revolutions in that time. No limit of spans bounds it. A body whose spheres are all centred at its
+/// number, so with the revolutions in that time. A screening's limit of spans does not bound it. A monitor keeps the parts of
+/// each turn in its lookahead, for each two spheres that may be the nearest ones, and
+/// [its limit](crate::Monitor::set_max_spans) bounds them. A body whose spheres are all centred at its
 /// position pays nothing for turning. Until two bodies are near, one that turns is bounded by the ball around its position
 /// that its spheres never leave. Put the position amid the spheres: a tick in which 500 such clusters are told takes 9 times
 /// as long if their positions are three of their radii off, and 24 times if they are five.

@@ -50,7 +50,8 @@ impl Scene {
     /// [inserted](Self::insert) would report of its pairs; [`pair`](crate::pair) names an exception. Its id in the answer is the one that it
     /// would have. A query without a window asks about the time that all plans cover, its own
     /// included. Layers count. The query's limit of spans does not: each pair is examined by
-    /// itself. The cost is proportional to the number of bodies.
+    /// itself. The cost is proportional to the number of bodies, and to that of their cubics in the window: of long
+    /// plans it may be that of a screening.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;
@@ -83,7 +84,10 @@ impl Scene {
     /// The bits are those that a [screening](Self::screen) would report of its pairs if the scene had this plan for the
     /// body; [`pair`](crate::pair) names an exception. Without an orientation in the plan, the body turns as it does. A
     /// query without a window asks about the time that all plans cover, this one in place of the body's own. Layers and
-    /// ignored pairs count. The query's limit of spans does not. The cost is proportional to the number of bodies.
+    /// ignored pairs count. The query's limit of spans does not. The cost is proportional to the number of bodies, and to that of
+    /// their cubics in the window: of long plans it may be that of a screening.
+    ///
+    /// Asked with the plan that the body has, it tells which conflicts one body of the scene has with all others.
     ///
     /// [`Monitor::what_if`](crate::Monitor::what_if) asks about the lookahead of a monitor, and takes less time.
     ///

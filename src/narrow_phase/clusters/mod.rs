@@ -24,6 +24,7 @@ mod part;
 mod proven;
 mod search;
 mod sections;
+mod shares;
 mod stretch;
 #[cfg(test)]
 mod tests;

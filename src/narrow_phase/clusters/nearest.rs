@@ -5,7 +5,7 @@
 
 use super::proven::{BoundStep, BoundSteps};
 use super::search::Question;
-use super::stretch::{FEWEST_HALVINGS, MOST_HALVINGS, Shares, WHOLE};
+use super::shares::{FEWEST_HALVINGS, MOST_HALVINGS, Shares, WHOLE};
 use crate::narrow_phase::profile::DistanceProfile;
 use crate::narrow_phase::sphere_pair::SpherePair;
 use arrayvec::ArrayVec;

@@ -1,6 +1,6 @@
 //! Contacts that solved pairs of spheres prove, of two bodies over a part of a span.
 
-use super::stretch::{MOST_HALVINGS, Shares, WHOLE};
+use super::shares::{MOST_HALVINGS, Shares, WHOLE};
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::spans::Span;
 use arrayvec::ArrayVec;

@@ -8,7 +8,7 @@ use super::candidates::{HALVINGS, SphereCandidate, find_nearest, remove_behind};
 use super::near::NearSpheres;
 use super::part::{CandidateBuffers, Interval, MotionKey, PartScratch, SpheresOverPart};
 use super::proven::{BoundStep, BoundSteps, ProvenContact, ProvenContacts};
-use super::stretch::{FEWEST_HALVINGS, Shares, WHOLE};
+use super::shares::{FEWEST_HALVINGS, Shares, WHOLE};
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::narrow_phase::widened;
 use std::collections::BTreeMap;

@@ -6,25 +6,13 @@
 
 use super::near::NearSpheres;
 use super::part::{Interval, SpheresOverPart};
+use super::shares::{FEWEST_HALVINGS, MOST_HALVINGS, Shares, WHOLE};
 use crate::blossom::restrict_to;
 use crate::enclosure::{Stretch, Threshold, Verdict};
 use crate::narrow_phase::contact_radius;
 use crate::narrow_phase::relative::rejection_threshold;
 use crate::orientation::BakedRotation;
 use crate::rounding::norm;
-
-/// A stretch of a part: its ends, as shares of the part.
-pub(super) type Shares = (f64, f64);
-
-/// Number of times that a short stretch is halved where there are many pairs of spheres. With 3, pairs of 125 spheres
-/// took 0.97 times as long, and 1.01 to 1.34 if they turn.
-pub(super) const FEWEST_HALVINGS: i32 = 2;
-
-/// Number of times that a long stretch is halved.
-pub(super) const MOST_HALVINGS: i32 = 5;
-
-/// The stretch that is the whole part.
-pub(super) const WHOLE: Shares = (0.0, 1.0);
 
 /// Share of the part by which a stretch is longer at either end: far more than the rounding of shares.
 const SPARE: f64 = 1e-12;
