@@ -13,6 +13,7 @@
 //!   10^3 m and a margin of 0 m;
 //! - `frame/told_crowd/10k`, `frame/update_screen_crowd/10k`, one thread: the same with one body in 3^3 m;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
+//! - `frame/told_seldom/10k`, one thread: as `told`, in every tenth frame, and twenty bodies in each of the others;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
 //! - `frame/told_in_steps/10k`, one thread: as `told`, four times a frame, with the states of four steps;
 //! - `frame/told_again/10k`, one thread: as `told`, twice for the same instant, with positions 1 mm apart;
@@ -144,6 +145,7 @@ fn main() {
     run.measure(("told_crowd", 10_000), 1, Told::crowd);
     run.measure(("update_screen_crowd", 10_000), 1, UpdateScreen::crowd);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
+    run.measure(("told_seldom", 10_000), 1, Told::seldom);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);
     run.measure(("told_in_steps", 10_000), 1, Told::in_steps);
     run.measure(("told_again", 10_000), 1, Told::again);

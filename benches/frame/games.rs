@@ -123,6 +123,8 @@ pub(crate) struct Told<W> {
     budget: Budget,
     /// Frames from one in which the bodies are told to the next one.
     period: u32,
+    /// Bodies that are told in all other frames.
+    meanwhile: usize,
     /// True if in each frame one half of the bodies is told, in turns.
     is_half: bool,
     calls: Calls,
@@ -161,6 +163,15 @@ impl Told<World> {
     pub(crate) fn in_turns(bodies: u32) -> Self {
         Self {
             period: 2,
+            ..Self::new(bodies)
+        }
+    }
+
+    /// Returns a game whose bodies are told in every tenth frame, and twenty of them in each.
+    pub(crate) fn seldom(bodies: u32) -> Self {
+        Self {
+            period: 10,
+            meanwhile: 20,
             ..Self::new(bodies)
         }
     }
@@ -263,6 +274,7 @@ impl<W: MovingBodies> Told<W> {
             monitor: monitor.unwrap_or_else(|error| panic!("{error}")),
             budget: Budget::Unlimited,
             period: 1,
+            meanwhile: 0,
             is_half: false,
             calls: Calls::One,
             questions: 0,
@@ -282,7 +294,7 @@ impl<W: MovingBodies> Game for Told<W> {
         let states = self.world.states();
         let half = states.len() / 2;
         let told = match (is_told, self.is_half, self.frames % 2) {
-            (false, ..) => &[],
+            (false, ..) => &states[..self.meanwhile],
             (true, false, _) => states,
             (true, true, 0) => &states[..half],
             (true, true, _) => &states[half..],

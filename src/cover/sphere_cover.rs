@@ -18,7 +18,7 @@ pub enum Extent {
     /// The whole volume.
     Volume,
     /// The surfaces only. The shape has a mesh that is not closed, or not oriented as one: each edge
-    /// must be passed as often one way as the other.
+    /// must be passed as often one way as the other. Or the shape is a polyhedron that is only a segment or a point.
     Surface,
 }
 

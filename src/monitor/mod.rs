@@ -75,7 +75,8 @@ use told_motions::ToldMotions;
 ///
 /// - After a tick that [has caught up](Self::is_caught_up), [`conflicts`](Self::conflicts) is, bit for bit, what
 ///   [`Scene::screen`] says with the level's margin of the window from now to the end of the
-///   lookahead; else, of the window from now to [`complete_until`](Self::complete_until).
+///   lookahead; else, of the window from now to [`complete_until`](Self::complete_until), and nothing if that is not
+///   after now.
 /// - Every encounter that began has exactly one end, at the latest at [`close`](Self::close).
 ///   [`EventKind`] has the order of events.
 /// - A change between two ticks counts from the clock of the tick before, if it has no time of its own: a body that is
