@@ -136,6 +136,8 @@ impl Monitor {
             // may have been lowered since.
             monitor.set_max_spans(snapshot.max_spans.max(Self::MAX_SPANS).saturating_mul(2));
             monitor.advance(now, &mut Vec::new())?;
+            // The other monitor did not make this tick.
+            monitor.search.since_unknown = snapshot.since_unknown;
         }
         monitor.revision_threshold = snapshot.revision_threshold;
         monitor.history = snapshot.history;
