@@ -367,7 +367,6 @@ impl MergedConflict<'_> {
             contact: Contact {
                 enter: enter.nearest(first.min(closest.time)),
                 exit: exit.nearest(last.max(closest.time)),
-                rounding: 0.0,
                 closest,
             },
             certificate: Certificate {

@@ -18,8 +18,6 @@ use std::cmp::Ordering;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SolvedSpan {
     span: Span,
-    /// As [`Contact::rounding`].
-    rounding: f64,
     pair: SpherePair,
     profile: DistanceProfile,
 }
@@ -37,7 +35,6 @@ impl SolvedSpan {
             span,
             pair,
             profile,
-            ..
         } = self;
         let part = (from.max(pair.cubic.start), to.min(pair.cubic.end));
         pair.approach(*span, profile.closest_in(&pair.cubic, part, clip))
@@ -111,7 +108,6 @@ pub(crate) fn solve(
     mut solved: impl FnMut((f64, f64), SolvedSpan),
 ) -> f64 {
     let margin = widened(margin, a.model_error_with(b));
-    let rounding = rounding_over(span);
     let mut solve = |pair: &SpherePair, span: Span| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
@@ -125,7 +121,6 @@ pub(crate) fn solve(
         let pair = *pair;
         let span = SolvedSpan {
             span,
-            rounding,
             pair,
             profile,
         };
@@ -162,7 +157,6 @@ pub(crate) fn contacts(
         each_for_contacts((a, b), span, asked, |pair, part, proven| {
             let count = found.len();
             let profile = DistanceProfile::of(&pair.cubic);
-            let part = (part, rounding_over(span));
             pair.contacts(&profile, part, margin, window, found);
             if let Some(proven) = proven {
                 proven.extend(found[count..].iter().map(|contact| ProvenContact {
@@ -202,31 +196,28 @@ pub(crate) fn contacts_of<'s>(
     let first = found.len();
     for SolvedSpan {
         span,
-        rounding,
         pair,
         profile,
     } in solved
     {
-        pair.contacts(profile, (*span, *rounding), margin, window, found);
+        pair.contacts(profile, *span, margin, window, found);
     }
     join(found, first);
 }
 
-/// Returns the rounding of a local parameter of a span, and as much again for the distance that is solved, s. A span without
-/// end is that of a constant distance, which is not solved for.
-fn rounding_over(span: Span) -> f64 {
+/// Returns the rounding of the ends of a contact of two spheres, s: that of the local parameter, and as much again for the
+/// distance that is solved. It is at most that of the instants, and none if the distance is constant.
+fn rounding_of(contact: &Contact) -> f64 {
     const PARAMETER: f64 = 16.0 * UNIT_ROUNDOFF;
-    let duration = span.end - span.start;
-    if duration.is_finite() {
-        PARAMETER * duration
-    } else {
-        0.0
+    let Approach { span, plateau, .. } = contact.closest;
+    if plateau > 0.0 {
+        return 0.0;
     }
+    PARAMETER * (span.end - span.start).min(contact.enter.abs().max(contact.exit.abs()))
 }
 
 /// Joins the contacts from index `first` on that overlap or touch, across spans and spheres. Where one sphere takes over from
-/// another just at the margin, both ends are rounded: they touch if no more lies between them. That does not depend on which
-/// spheres were solved: those of one span have the same rounding.
+/// another just at the margin, both ends are rounded: they touch if no more lies between them.
 pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
@@ -237,24 +228,23 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
             // At a knot both spans may have a contact of no duration.
             .then(x.closest.span.start.total_cmp(&y.closest.span.start))
     });
-    let mut last = first;
+    let (mut last, mut rounding_of_last) = (first, contacts.get(first).map_or(0.0, rounding_of));
     for next in first + 1..contacts.len() {
         let contact = contacts[next];
         let joined = &mut contacts[last];
-        let rounding = joined.rounding.max(contact.rounding);
+        let own_rounding = rounding_of(&contact);
+        let rounding = rounding_of_last.max(own_rounding);
         if contact.enter <= (joined.exit + rounding).next_up() {
             match contact.exit.total_cmp(&joined.exit) {
                 Ordering::Less => {}
-                // That of all contacts that end there.
-                Ordering::Equal => joined.rounding = rounding,
-                Ordering::Greater => {
-                    (joined.exit, joined.rounding) = (contact.exit, contact.rounding);
-                }
+                // That of all contacts that end there: which of them were solved makes no difference.
+                Ordering::Equal => rounding_of_last = rounding,
+                Ordering::Greater => (joined.exit, rounding_of_last) = (contact.exit, own_rounding),
             }
             joined.closest = joined.closest.or_lower(contact.closest);
         } else {
             last += 1;
-            contacts[last] = contact;
+            (contacts[last], rounding_of_last) = (contact, own_rounding);
         }
     }
     contacts.truncate(contacts.len().min(last + 1));

@@ -27,8 +27,6 @@ pub(crate) struct Approach {
 pub(crate) struct Contact {
     pub(crate) enter: f64,
     pub(crate) exit: f64,
-    /// Rounding of its ends in the span of both cubics, s.
-    pub(super) rounding: f64,
     pub(crate) closest: Approach,
 }
 
@@ -117,11 +115,11 @@ impl SpherePair {
         contact_radius(self.radius_a, self.radius_b, margin)
     }
 
-    /// Appends the contacts in a window; `rounding` is that of their ends (s).
+    /// Appends the contacts in a window.
     pub(super) fn contacts(
         &self,
         profile: &DistanceProfile,
-        (span, rounding): (Span, f64),
+        span: Span,
         margin: f64,
         window: (f64, f64),
         found: &mut Vec<Contact>,
@@ -134,7 +132,6 @@ impl SpherePair {
             found.push(Contact {
                 enter,
                 exit,
-                rounding,
                 closest: self.approach(span, closest),
             });
         });

@@ -176,7 +176,7 @@ impl Case {
         let mut found = Vec::new();
         self.each(Accuracy::Exact, |pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
-            pair.contacts(&profile, (span, 0.0), margin, window, &mut found);
+            pair.contacts(&profile, span, margin, window, &mut found);
         });
         join(&mut found, 0);
         found

@@ -303,13 +303,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
         case.each(Accuracy::Exact, |pair, span| {
             let profile = DistanceProfile::of(&pair.cubic);
             let mut found = Vec::new();
-            pair.contacts(
-                &profile,
-                (span, 0.0),
-                case.band().outer,
-                case.window,
-                &mut found,
-            );
+            pair.contacts(&profile, span, case.band().outer, case.window, &mut found);
             let of_contact = |one: &Contact| [one.enter, one.closest.time, one.exit];
             instants.extend(found.iter().flat_map(of_contact));
         });
