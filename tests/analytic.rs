@@ -467,6 +467,18 @@ fn conflicts_that_are_instants_apart_are_two() {
     }
 }
 
+/// However long a body rests after its return.
+#[test]
+fn a_body_that_comes_back_to_rest_is_in_conflict_twice() {
+    let rest = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let away = Trajectory::coasting(State::new(0.0, DVec3::ZERO, 4.0 * DVec3::X)).unwrap();
+    let away = Body::new(away.spliced(2.0, &rest).unwrap());
+    let query = Query::new(Window::new(0.0, 10.0).unwrap()).with_margin(1.0);
+    let found = pair::conflicts(&away, &Body::new(rest), &query).unwrap();
+    let times: Vec<_> = found.iter().map(|one| (one.enter, one.exit)).collect();
+    assert_eq!(times, [(0.0, 0.25), (2.0, 10.0)]);
+}
+
 #[test]
 fn layers_and_ignored_pairs() {
     use nearmiss::Layers;
