@@ -68,12 +68,12 @@ impl Monitor {
     /// Ids of bodies and encounters that were given after the snapshot are given again, to others. Forget what you have noted
     /// under them; [`encounters`](Self::encounters) lists those under way.
     ///
-    /// Its next tick looks at all bodies, like the first one of a new monitor: within a budget it may come less far. If many
-    /// bodies changed in each tick, it takes as long as these; else several times as long as a
+    /// This call or the next tick looks at all bodies, like the first tick of a new monitor; that tick may come less far within
+    /// a budget. If many bodies changed in each tick, it takes as long as these; else several times as long as a
     /// [screening](crate::Scene::screen) of the lookahead.
     ///
-    /// Before that tick, it knows what the other one knew if another tick at the same time would have changed
-    /// nothing then. Else it knows nothing yet: [`complete_until`](Self::complete_until) is the instant up to which
+    /// This call does if another tick at the same time would have changed nothing: then the monitor knows what the other one
+    /// knew. Else it knows nothing before its next tick: [`complete_until`](Self::complete_until) is the instant up to which
     /// events were reported, there are no [`conflicts`](Self::conflicts), and [`what_if`](Self::what_if) returns
     /// [`Error::NothingKnown`].
     ///
