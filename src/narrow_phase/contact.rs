@@ -205,20 +205,22 @@ pub(crate) fn contacts_of<'s>(
     join(found, first);
 }
 
-/// Returns the rounding of the ends of a contact of two spheres, s: that of the local parameter, and as much again for the
-/// distance that is solved. It is at most that of the instants, and none if the distance is constant.
-fn rounding_of(contact: &Contact) -> f64 {
-    const PARAMETER: f64 = 16.0 * UNIT_ROUNDOFF;
+/// Returns the time, s, to which the rounding of the ends of a contact of two spheres is relative: the duration of its span,
+/// whose local parameter is rounded; none if the distance is constant.
+fn rounded_time(contact: &Contact) -> f64 {
     let Approach { span, plateau, .. } = contact.closest;
     if plateau > 0.0 {
-        return 0.0;
+        0.0
+    } else {
+        span.end - span.start
     }
-    PARAMETER * (span.end - span.start).min(contact.enter.abs().max(contact.exit.abs()))
 }
 
 /// Joins the contacts from index `first` on that overlap or touch, across spans and spheres. Where one sphere takes over from
 /// another just at the margin, both ends are rounded: they touch if no more lies between them.
 pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
+    /// Rounding of a local parameter, and as much again for the distance that is solved.
+    const ROUNDING: f64 = 16.0 * UNIT_ROUNDOFF;
     contacts[first..].sort_unstable_by(|x, y| {
         x.enter
             .total_cmp(&y.enter)
@@ -228,23 +230,25 @@ pub(super) fn join(contacts: &mut Vec<Contact>, first: usize) {
             // At a knot both spans may have a contact of no duration.
             .then(x.closest.span.start.total_cmp(&y.closest.span.start))
     });
-    let (mut last, mut rounding_of_last) = (first, contacts.get(first).map_or(0.0, rounding_of));
+    let (mut last, mut time_of_last) = (first, contacts.get(first).map_or(0.0, rounded_time));
     for next in first + 1..contacts.len() {
         let contact = contacts[next];
         let joined = &mut contacts[last];
-        let own_rounding = rounding_of(&contact);
-        let rounding = rounding_of_last.max(own_rounding);
+        let own_time = rounded_time(&contact);
+        let longest = time_of_last.max(own_time);
+        // Not more than instants are rounded, however long the span.
+        let rounding = ROUNDING * longest.min(contact.enter.abs());
         if contact.enter <= (joined.exit + rounding).next_up() {
             match contact.exit.total_cmp(&joined.exit) {
                 Ordering::Less => {}
                 // That of all contacts that end there: which of them were solved makes no difference.
-                Ordering::Equal => rounding_of_last = rounding,
-                Ordering::Greater => (joined.exit, rounding_of_last) = (contact.exit, own_rounding),
+                Ordering::Equal => time_of_last = longest,
+                Ordering::Greater => (joined.exit, time_of_last) = (contact.exit, own_time),
             }
             joined.closest = joined.closest.or_lower(contact.closest);
         } else {
             last += 1;
-            (contacts[last], rounding_of_last) = (contact, own_rounding);
+            (contacts[last], time_of_last) = (contact, own_time);
         }
     }
     contacts.truncate(contacts.len().min(last + 1));
