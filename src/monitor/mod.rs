@@ -128,11 +128,11 @@ use told_motions::ToldMotions;
 /// and then whether they still do. If other slices suit it far better, such a tick takes as long as the
 /// first one.
 ///
-/// Where many bodies change before a tick, and did so not long before, the tick screens its lookahead as a
+/// A tick before which many bodies change, as they did before one of the last ticks, screens its lookahead as a
 /// whole, or as much of it as a [budget](Budget) allows. Many are so many that this takes less time than comparing
 /// them with the kept boxes of all bodies: about one in sixteen of balls that are told each frame, 2 s ahead; up to three
-/// quarters where a screening of the lookahead takes many slices, or plans have many cubics in it. Not long before means
-/// some thirty ticks before which any body changed, for these balls, and three to ten for many cubics; a tick before which
+/// quarters where a screening of the lookahead takes many slices, or plans have many cubics in it. The last ticks are
+/// some thirty before which any body changed, for these balls, and three to ten for many cubics; a tick before which
 /// none did counts a sixteenth. Those before which some did screen as well; with a budget, if it suffices for all of the
 /// lookahead. A later one takes longer, once: it forms the boxes of all bodies, and changed ones are compared with these from
 /// then on.

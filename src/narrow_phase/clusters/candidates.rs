@@ -155,8 +155,10 @@ pub(super) fn find_nearest(
         let one = candidates[place];
         let [before, after] = divide(one.bernstein, 0.5);
         candidates[place].bernstein = before;
-        let bernstein = after;
-        candidates.push(SphereCandidate { bernstein, ..one });
+        candidates.push(SphereCandidate {
+            bernstein: after,
+            ..one
+        });
     }
     for first in [end, first] {
         find_nearest(candidates, first, slack, halvings - 1, nearest);
