@@ -54,6 +54,17 @@ impl AlertLevel {
         self
     }
 
+    /// Returns all margins of some levels, m, ascending, each once.
+    pub(super) fn margins(levels: &[Self]) -> Vec<f64> {
+        let both = levels
+            .iter()
+            .flat_map(|level| [level.margin, level.release]);
+        let mut margins: Vec<f64> = both.collect();
+        margins.sort_unstable_by(f64::total_cmp);
+        margins.dedup();
+        margins
+    }
+
     /// Returns true if encounters end at another margin than they begin at.
     pub(super) fn has_release(&self) -> bool {
         self.release > self.margin

@@ -4,12 +4,12 @@
 //! window from the instant up to which the last tick reported to the end of the known time. [`Encounter`] says how old
 //! and new ones are matched.
 
+use super::bodies::BodyTable;
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
 use super::revision_threshold::RevisionThreshold;
 use super::solved_conflict::{SolvedApproach, SolvedConflict};
 use super::solved_spans::{SlotPair, SolvedSpans};
 use super::sorted_slab::SortedSlab;
-use crate::conflict::Clip;
 use crate::narrow_phase::Approach;
 use crate::scene::Scene;
 use std::cmp::Ordering;
@@ -139,6 +139,7 @@ pub(super) struct TickContext<'s> {
     pub(super) lookahead: f64,
     pub(super) revision_threshold: RevisionThreshold,
     pub(super) solved: &'s SolvedSpans,
+    pub(super) bodies: BodyTable<'s>,
 }
 
 impl EncounterTracker {
@@ -475,12 +476,12 @@ fn closest_differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext
     // Where a distance stays the same, or is as small again, the instant of the least one is a matter of rounding.
     let is_still_closest = || {
         let slots = (encounter.a.slot, encounter.b.slot);
-        let at = (sent.closest_time, sent.closest_time);
-        let there = tick.solved.closest(slots, at, Clip::default());
+        let time = sent.closest_time;
+        let there = tick.solved.closest_at(slots, time, &tick.bodies);
         let nearest = new.separation + threshold.separation;
         // A constant distance is reported at its first instant, whatever the rounding.
         let is_near = |there: Approach| there.plateau == 0.0 && there.separation <= nearest;
-        threshold.separation > 0.0 && (at.0 <= tick.before || there.is_some_and(is_near))
+        threshold.separation > 0.0 && (time <= tick.before || there.is_some_and(is_near))
     };
     let is_moved = (new.closest_time - sent.closest_time).abs() > threshold.time;
     (new.separation - sent.separation).abs() > threshold.separation

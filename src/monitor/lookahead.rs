@@ -89,11 +89,11 @@ impl LookaheadSearch {
     /// Listed changes beyond two for each changed body, above which the list is shortened to one each.
     const MANY_CHANGES: usize = 1024;
 
-    /// Returns a search without bodies, on a grid, with room for so many spans.
-    pub(super) fn new(grid: Grid, max_spans: usize) -> Self {
+    /// Returns a search without bodies, on a grid, for contacts at some margins (m, ascending), with room for so many spans.
+    pub(super) fn new(grid: Grid, margins: Vec<f64>, max_spans: usize) -> Self {
         Self {
             monitored: MonitoredBodies::default(),
-            solved: SolvedSpans::default(),
+            solved: SolvedSpans::at(margins),
             grid,
             slices: VecDeque::new(),
             unused: Vec::new(),
@@ -114,6 +114,11 @@ impl LookaheadSearch {
             affordable: AffordableLookahead::new(grid.origin),
             max_spans,
         }
+    }
+
+    /// Returns a search without bodies on another grid.
+    pub(super) fn emptied(&self, grid: Grid) -> Self {
+        Self::new(grid, self.solved.margins().to_vec(), self.max_spans)
     }
 
     /// Returns true if anything has changed since the last catching up.
@@ -268,6 +273,7 @@ impl LookaheadSearch {
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
+            let cuts = [from, lookahead.0, to];
             let mut window = (from, self.plans_needed_until(to));
             if self.jump.is_some() {
                 // All that comes after is searched again.
@@ -275,7 +281,9 @@ impl LookaheadSearch {
                 self.half_spaces
                     .put_off(&bodies, &self.survivors, compared_until);
             }
-            work.stats.survivors += self.solved.add(&self.survivors, &bodies, window, most)?;
+            work.stats.survivors +=
+                self.solved
+                    .add(&self.survivors, &bodies, (window, &cuts), most)?;
             work.stats.narrow_time += begin.elapsed();
             if is_done {
                 return Ok(work.meter.until().unwrap_or(complete_until));

@@ -258,7 +258,7 @@ impl Monitor {
         let widest = widest.reduce(f64::max).ok_or(Error::NoAlertLevel)?;
         let grid = Grid::for_scene(&scene, widest, (now, lookahead), now)?;
         let mut monitor = Self {
-            search: LookaheadSearch::new(grid, Self::MAX_SPANS),
+            search: LookaheadSearch::new(grid, AlertLevel::margins(levels), Self::MAX_SPANS),
             levels: levels.to_vec(),
             encounters: (0..levels.len()).map(EncounterTracker::of_level).collect(),
             conflicts: vec![Vec::new(); levels.len()],

@@ -35,8 +35,7 @@ impl Monitor {
 
     /// Drops all state derived from the scene, and keeps the grid.
     pub(super) fn forget_search(&mut self) -> Result<(), Error> {
-        let search = &self.search;
-        self.renew(LookaheadSearch::new(search.grid, search.max_spans))
+        self.renew(self.search.emptied(self.search.grid))
     }
 
     /// Chooses another grid, and rebuilds the search on it, if the current one is unusable: the

@@ -3,7 +3,6 @@
 use super::Monitor;
 use super::event::EndReason;
 use super::grid::{Grid, GridReview};
-use super::lookahead::LookaheadSearch;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use crate::error::Error;
@@ -55,7 +54,7 @@ impl Monitor {
         grid.origin = earliest_exact(now).next_down();
         let before = (self.now, self.reported, self.known);
         (self.now, self.reported, self.known) = (now, now, now);
-        if let Err(error) = self.renew(LookaheadSearch::new(grid, self.search.max_spans)) {
+        if let Err(error) = self.renew(self.search.emptied(grid)) {
             (self.now, self.reported, self.known) = before;
             return Err(error);
         }

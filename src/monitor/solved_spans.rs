@@ -3,7 +3,7 @@
 use super::bodies::BodyTable;
 use super::sorted_slab::{IndexEntry, SortedSlab};
 use crate::conflict::Clip;
-use crate::narrow_phase::{Approach, Contact, SolvedSpan, contacts_of, solve};
+use crate::narrow_phase::{Approach, Contact, KeptQuestion, SolvedSpan, contacts_of, solve};
 use crate::search::LimitExceeded;
 use crate::spans::SpanKey;
 use std::collections::BTreeMap;
@@ -15,11 +15,19 @@ fn pair_of(key: &SpanKey) -> SlotPair {
     (key.a, key.b)
 }
 
+fn contains(interval: (f64, f64), time: f64) -> bool {
+    interval.0 <= time && time <= interval.1
+}
+
 /// The solved spans of all pairs.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct SolvedSpans {
     /// The solution of each span for each two spheres.
     spans: SortedSlab<SpanKey, SolvedSpan>,
+    /// Margins at which contacts are read, m, ascending.
+    margins: Vec<f64>,
+    /// True if spans were added that are solved for whole contacts alone.
+    has_whole_contacts: bool,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
     /// read. (Not those of which something has passed: that changes nothing
     /// that is still to come, and who reads them sees when.)
@@ -29,6 +37,25 @@ pub(super) struct SolvedSpans {
 }
 
 impl SolvedSpans {
+    /// Returns an empty list for contacts at some margins (m, ascending).
+    pub(super) fn at(margins: Vec<f64>) -> Self {
+        Self {
+            spans: SortedSlab::default(),
+            margins,
+            has_whole_contacts: false,
+            changed_pairs: Vec::new(),
+            partly_solved: BTreeMap::new(),
+        }
+    }
+
+    pub(super) const fn has_whole_contacts(&self) -> bool {
+        self.has_whole_contacts
+    }
+
+    pub(super) fn margins(&self) -> &[f64] {
+        &self.margins
+    }
+
     /// Returns the number of solved spans.
     pub(super) fn len(&self) -> usize {
         self.spans.entries().len()
@@ -54,8 +81,8 @@ impl SolvedSpans {
     }
 
     /// Solves the survivors (sorted, each once) that are not there yet, and keeps those that come
-    /// within the margin; returns how many were solved. Those of turning bodies are solved from one
-    /// instant to another (s).
+    /// within the largest margin; returns how many were solved. Those of turning bodies are solved in a window from one
+    /// instant to another (s). Contacts that last at one of the `cuts` (s) are solved for any window.
     ///
     /// # Errors
     ///
@@ -64,11 +91,15 @@ impl SolvedSpans {
         &mut self,
         survivors: &[SpanKey],
         bodies: &BodyTable<'_>,
-        window: (f64, f64),
+        (window, cuts): ((f64, f64), &[f64]),
         most: usize,
     ) -> Result<u64, LimitExceeded> {
         let room = most.saturating_sub(self.len());
         let (mut count, mut added) = (0, 0);
+        let asked = KeptQuestion {
+            margins: &self.margins,
+            cuts: Some(cuts),
+        };
         for &key in survivors {
             let begun = self.partly_solved.get(&key).copied();
             if begun.is_none() && self.spans.has(&key) {
@@ -85,10 +116,11 @@ impl SolvedSpans {
             count += 1;
             let span = key.span(&a.knots, &b.knots);
             let before = added;
-            let (part, margin) = ((window, after), bodies.grid.margin);
-            let solved_until = solve(&a, &b, span, margin, part, |interval, solved| {
+            let part = (window, after);
+            let solved_until = solve(&a, &b, span, &asked, part, |interval, solved| {
                 // A body that turns has as many parts as its turns: one pair alone may fill the memory.
                 if added <= room {
+                    self.has_whole_contacts |= !solved.is_for_any_window();
                     self.spans.add(key, interval, solved);
                 }
                 added += 1;
@@ -108,6 +140,35 @@ impl SolvedSpans {
         }
         self.spans.merge_added();
         Ok(count)
+    }
+
+    /// Returns true if a pair has a span that contains an instant (s), and that is not solved for windows that cut a contact
+    /// there.
+    pub(super) fn is_incomplete(&self, pair: SlotPair, time: f64) -> bool {
+        self.has_whole_contacts
+            && self.of(pair).any(|entry| {
+                contains(entry.interval, time) && !self.spans.at(entry.place).is_for_any_window()
+            })
+    }
+
+    /// Solves the spans of some pairs (sorted) that contain an instant (s) anew, for any window.
+    pub(super) fn complete(&mut self, pairs: &[SlotPair], time: f64, bodies: &BodyTable<'_>) {
+        let mut keys = Vec::new();
+        self.spans.retain(|entry, _| {
+            let pair = pair_of(&entry.key);
+            let is_kept = !contains(entry.interval, time) || pairs.binary_search(&pair).is_err();
+            if !is_kept && keys.last() != Some(&entry.key) {
+                keys.push(entry.key);
+            }
+            is_kept
+        });
+        for key in keys {
+            solve_at(key, time, bodies, &self.margins, |interval, solved| {
+                self.spans.add(key, interval, solved);
+            });
+            self.changed_pairs.push(pair_of(&key));
+        }
+        self.spans.merge_added();
     }
 
     /// Sorts the pairs that have changed, each once.
@@ -152,6 +213,60 @@ impl SolvedSpans {
         let approaches = solved.map(|entry| self.spans.at(entry.place).closest(part, clip));
         approaches.reduce(Approach::or_lower)
     }
+
+    /// Returns how near two bodies are at an instant (s), if a kept span contains it.
+    pub(super) fn closest_at(
+        &self,
+        pair: SlotPair,
+        time: f64,
+        bodies: &BodyTable<'_>,
+    ) -> Option<Approach> {
+        let at = (time, time);
+        if !self.is_incomplete(pair, time) {
+            return self.closest(pair, at, Clip::default());
+        }
+        let entries = self.of(pair).filter(|entry| contains(entry.interval, time));
+        let mut keys: Vec<SpanKey> = entries.map(|entry| entry.key).collect();
+        keys.dedup();
+        let mut approaches = Vec::new();
+        for key in keys {
+            solve_at(key, time, bodies, &self.margins, |_, solved| {
+                approaches.push(solved.closest(at, Clip::default()));
+            });
+        }
+        approaches.into_iter().reduce(Approach::or_lower)
+    }
+}
+
+/// Solves a span, or those parts of it that contain an instant (s), for any window.
+fn solve_at(
+    key: SpanKey,
+    time: f64,
+    bodies: &BodyTable<'_>,
+    margins: &[f64],
+    mut visit: impl FnMut((f64, f64), SolvedSpan),
+) {
+    let (Some(a), Some(b)) = (bodies.get(key.a), bodies.get(key.b)) else {
+        return;
+    };
+    let asked = KeptQuestion {
+        margins,
+        cuts: None,
+    };
+    let part = ((time, time), f64::NEG_INFINITY);
+    solve(
+        &a,
+        &b,
+        key.span(&a.knots, &b.knots),
+        &asked,
+        part,
+        |interval, solved| {
+            // A part that ends a rounding before counts as met.
+            if contains(interval, time) {
+                visit(interval, solved);
+            }
+        },
+    );
 }
 
 #[cfg(test)]
@@ -187,8 +302,8 @@ mod tests {
         assert!(search.solved.len() > 100 * ROOM);
         let span = [search.solved.spans.entries()[0].key];
         let bodies = BodyTable::of(&monitor.scene, &search.monitored, &search.grid);
-        let mut solved = SolvedSpans::default();
-        let refused = solved.add(&span, &bodies, (0.0, LOOKAHEAD), ROOM);
+        let mut solved = SolvedSpans::at(AlertLevel::margins(&levels));
+        let refused = solved.add(&span, &bodies, ((0.0, LOOKAHEAD), &[]), ROOM);
         assert!(refused.is_err());
         assert_eq!(solved.len(), ROOM + 1);
     }

@@ -4,6 +4,7 @@
 //! leaves the clock where it was; what its search has found may stay.
 
 use super::Monitor;
+use super::bodies::BodyTable;
 use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
 use super::encounters::TickContext;
@@ -14,6 +15,7 @@ use super::read::{LevelCaches, ReadContext};
 use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
 use super::recording::Record;
+use super::solved_spans::SlotPair;
 use crate::error::Error;
 use crate::parallel;
 use crate::rounding::without_negative_zero;
@@ -253,6 +255,29 @@ impl Monitor {
         self.search.solved.changed_pairs.clear();
     }
 
+    /// Solves the spans anew in which the windows of this tick cut a contact, if they are solved for whole contacts alone.
+    fn complete_cut_contacts(&mut self, (now, known): (f64, f64)) {
+        for time in [self.reported, now.min(known), now, known] {
+            let (readings, search) = (&self.readings, &mut self.search);
+            let conflicts = readings.conflicts.iter();
+            let conflicts = conflicts.flat_map(|level| level.lasting_at(time));
+            let planned = readings.planned.iter();
+            let planned = planned.flat_map(|level| level.lasting_at(time));
+            let is_incomplete = |pair: &SlotPair| search.solved.is_incomplete(*pair, time);
+            let mut pairs: Vec<SlotPair> = conflicts.chain(planned).filter(is_incomplete).collect();
+            if !pairs.is_empty() {
+                pairs.sort_unstable();
+                pairs.dedup();
+                let bodies = BodyTable::of(&self.scene, &search.monitored, &search.grid);
+                search.solved.complete(&pairs, time, &bodies);
+            }
+        }
+        if !self.search.solved.changed_pairs.is_empty() {
+            // Windows cut a contact in another way where a distance is constant in some span.
+            self.read_changed_pairs();
+        }
+    }
+
     /// Reads the conflicts from now to the end of the known time (s), and the planned encounters from the last
     /// tick's clock on, and updates the tracked encounters.
     pub(super) fn read(
@@ -263,6 +288,9 @@ impl Monitor {
     ) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
+        if self.search.solved.has_whole_contacts() {
+            self.complete_cut_contacts((now, known));
+        }
         let context = ReadContext {
             search: &self.search,
             scene: &self.scene,
@@ -275,6 +303,7 @@ impl Monitor {
             lookahead: self.lookahead,
             revision_threshold: self.revision_threshold,
             solved: &self.search.solved,
+            bodies: BodyTable::of(&self.scene, &self.search.monitored, &self.search.grid),
         };
         let LevelCaches {
             conflicts,

@@ -20,9 +20,32 @@ pub(crate) struct SolvedSpan {
     span: Span,
     pair: SpherePair,
     profile: DistanceProfile,
+    /// True if the pairs of spheres that are solved over the span, or over this part of it, suffice for windows that cut a
+    /// contact.
+    is_for_any_window: bool,
+}
+
+/// What is asked of a span that is solved once and kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptQuestion<'m> {
+    /// Margins of the contacts, m, the largest one last: at least one.
+    pub(crate) margins: &'m [f64],
+    /// Instants at which windows cut contacts, s. `None` if any window may.
+    pub(crate) cuts: Option<&'m [f64]>,
+}
+
+impl KeptQuestion<'_> {
+    fn largest_margin(&self) -> f64 {
+        self.margins.last().copied().unwrap_or(f64::NEG_INFINITY)
+    }
 }
 
 impl SolvedSpan {
+    /// Returns true if all pairs of spheres are solved that are needed for windows that cut a contact.
+    pub(crate) const fn is_for_any_window(&self) -> bool {
+        self.is_for_any_window
+    }
+
     /// Returns true if the distance is constant over the span.
     pub(crate) const fn is_plateau(&self) -> bool {
         self.profile.is_plateau()
@@ -35,6 +58,7 @@ impl SolvedSpan {
             span,
             pair,
             profile,
+            ..
         } = self;
         let part = (from.max(pair.cubic.start), to.min(pair.cubic.end));
         pair.approach(*span, profile.closest_in(&pair.cubic, part, clip))
@@ -92,9 +116,9 @@ pub(crate) fn may_touch(
     !certainly_beyond(&points, threshold)
 }
 
-/// Solves each pair of spheres over a span, and calls `solved` with those that come within `margin`,
-/// and with the interval in which they are solved (s). The bodies' model errors are added to the
-/// margin.
+/// Solves each pair of spheres over a span that matters to a question, and calls `solved` with those that come within the
+/// largest margin, and with the interval in which they are solved (s). The bodies' model errors are added to the
+/// margins.
 ///
 /// If a body turns, only the parts of the span that meet `window` and do not begin before `after` (s) are
 /// solved: a span may last for ever. Returns the next value of `after`, infinity if all of
@@ -103,12 +127,12 @@ pub(crate) fn solve(
     a: &BodyView<'_>,
     b: &BodyView<'_>,
     span: Span,
-    margin: f64,
+    asked: &KeptQuestion<'_>,
     (window, after): ((f64, f64), f64),
     mut solved: impl FnMut((f64, f64), SolvedSpan),
 ) -> f64 {
-    let margin = widened(margin, a.model_error_with(b));
-    let mut solve = |pair: &SpherePair, span: Span| {
+    let margin = widened(asked.largest_margin(), a.model_error_with(b));
+    let mut solve = |pair: &SpherePair, span: Span, is_for_any_window: bool| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
             return None;
@@ -123,17 +147,17 @@ pub(crate) fn solve(
             span,
             pair,
             profile,
+            is_for_any_window,
         };
         solved(interval, span);
         Some(profile)
     };
     if let Some(pair) = lone_pair(a, b, span) {
-        solve(&pair, span);
+        solve(&pair, span, true);
         return f64::INFINITY;
     }
-    // All pairs of spheres that may be the nearest ones at some time serve for any window and margin.
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);
-    clusters.solve_parts(margin, (window, after), solve)
+    clusters.solve_parts((asked, margin), (window, after), solve)
 }
 
 /// Appends all maximal intervals of `window` with separation of at most `margin` and the bodies' model
@@ -198,6 +222,7 @@ pub(crate) fn contacts_of<'s>(
         span,
         pair,
         profile,
+        ..
     } in solved
     {
         pair.contacts(profile, *span, margin, window, found);

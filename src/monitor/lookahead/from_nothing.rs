@@ -66,7 +66,7 @@ impl LookaheadSearch {
         Self {
             since_unknown: self.since_unknown,
             affordable: self.affordable,
-            ..Self::new(grid, self.max_spans)
+            ..self.emptied(grid)
         }
     }
 

@@ -30,6 +30,14 @@ impl ConflictCache {
         self.all.add(key, interval, solved);
     }
 
+    /// Returns the pairs of the conflicts that last at an instant (s).
+    pub(in crate::monitor) fn lasting_at(&self, time: f64) -> impl Iterator<Item = SlotPair> {
+        let entries = self.all.entries().iter();
+        let lasting =
+            entries.filter(move |entry| entry.interval.0 <= time && time <= entry.interval.1);
+        lasting.map(|entry| entry.key.1)
+    }
+
     /// Sorts the added conflicts in.
     pub(in crate::monitor) fn merge_added(&mut self) {
         self.all.merge_added();

@@ -45,6 +45,14 @@ impl EncounterCache {
         self.all.add(slots, interval, planned);
     }
 
+    /// Returns the pairs of the encounters that last at an instant (s).
+    pub(in crate::monitor) fn lasting_at(&self, time: f64) -> impl Iterator<Item = SlotPair> {
+        let entries = self.all.entries().iter();
+        let lasting =
+            entries.filter(move |entry| entry.interval.0 <= time && time <= entry.interval.1);
+        lasting.map(|entry| entry.key)
+    }
+
     /// Sorts the added encounters in.
     pub(in crate::monitor) fn merge_added(&mut self) {
         /// So many are not too many, whatever there is.

@@ -28,13 +28,15 @@ mod shares;
 mod stretch;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 use super::BodyView;
-use super::contact_radius;
+use super::contact::KeptQuestion;
 use super::profile::DistanceProfile;
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
 use super::sphere_pair::SpherePair;
+use super::{contact_radius, widened};
 use crate::accuracy::Accuracy;
 use crate::spans::Span;
 use glam::DVec3;
@@ -45,6 +47,7 @@ pub(super) use proven::ProvenContact;
 use proven::ProvenContacts;
 use search::{ClosestQuestion, ContactsQuestion};
 use sections::{Rotations, Section, Sections, each_near, nearest_first};
+use whole::{MAX_MARGINS, WholeContactsQuestion};
 
 /// Two bodies over a span, of which at least one is a cluster or turns.
 pub(super) struct ClusterPair<'a> {
@@ -57,6 +60,9 @@ pub(super) struct ClusterPair<'a> {
 }
 
 impl<'a> ClusterPair<'a> {
+    /// Largest number of pairs of spheres of which all that are the nearest ones at some time are solved at once.
+    const FEW: usize = if cfg!(test) { 4 } else { 512 };
+
     pub(super) fn of(
         a: &'a BodyView<'a>,
         b: &'a BodyView<'a>,
@@ -87,9 +93,9 @@ impl<'a> ClusterPair<'a> {
     /// value of `after`; infinity if it ends with the span.
     pub(super) fn solve_parts(
         &self,
-        margin: f64,
+        (asked, margin): (&KeptQuestion<'_>, f64),
         (window, after): ((f64, f64), f64),
-        mut solve: impl FnMut(&SpherePair, Span) -> Option<DistanceProfile>,
+        mut solve: impl FnMut(&SpherePair, Span, bool) -> Option<DistanceProfile>,
     ) -> f64 {
         if window.1 < self.span.start {
             // A span may last for ever: its parts are not gone through before the interval comes there.
@@ -102,14 +108,26 @@ impl<'a> ClusterPair<'a> {
         if let Some(over_plane) = self.over_plane() {
             over_plane.each_near(margin, parts, after, |pair, part| {
                 if part.start <= window.1 {
-                    solve(pair, part);
+                    solve(pair, part, true);
                 }
             });
         } else {
+            let model_error = self.a.model_error_with(self.b);
+            let has_many = self.a.spheres.len() * self.b.spheres.len() > Self::FEW
+                && asked.margins.len() <= MAX_MARGINS;
             self.each_part_near(margin, (parts, after), |part, span, scratch| {
-                if span.start <= window.1 {
-                    let solve = |pair: &SpherePair| solve(pair, span);
-                    let mut question = NearestQuestion::new(margin, solve);
+                if span.start > window.1 {
+                    return;
+                }
+                let may_be_cut = |cuts: &[f64]| self.may_be_cut(cuts, margin, span);
+                let is_for_any_window = !has_many || asked.cuts.is_none_or(may_be_cut);
+                let solve = |pair: &SpherePair| solve(pair, span, is_for_any_window);
+                if is_for_any_window {
+                    part.search(&mut NearestQuestion::new(margin, solve), scratch);
+                } else {
+                    let margins = asked.margins.iter();
+                    let margins = margins.map(|&margin| widened(margin, model_error));
+                    let mut question = WholeContactsQuestion::new(span, margins, solve);
                     part.search(&mut question, scratch);
                 }
             });
@@ -119,6 +137,20 @@ impl<'a> ClusterPair<'a> {
         } else {
             f64::INFINITY
         }
+    }
+
+    /// Returns true if the bodies may be within a margin (m) in a part of the span at one of these instants (s).
+    fn may_be_cut(&self, cuts: &[f64], margin: f64, part: Span) -> bool {
+        let is_in_part = |time: &&f64| part.start <= **time && **time <= part.end;
+        let mut cuts = cuts.iter().filter(is_in_part).peekable();
+        if cuts.peek().is_none() {
+            return false;
+        }
+        let Some(threshold) = self.threshold(margin, self.scale(part)) else {
+            return false;
+        };
+        let cubic = self.cubic();
+        cuts.any(|&time| cubic.distance(cubic.parameter(time)) <= threshold)
     }
 
     /// Solves the pairs of spheres that may come nearer in `window` than `reached` (m); `solve` gets

@@ -37,8 +37,8 @@ pub(super) struct BoundStep {
 }
 
 /// Largest number of steps: two for each of the shortest intervals, or some for each contact.
-const MOST_STEPS: usize = 2 << MOST_HALVINGS;
-const _: () = assert!(MOST_STEPS >= 2 * ProvenContacts::MAX + 3);
+pub(super) const MOST_STEPS: usize = 2 << MOST_HALVINGS;
+const _: () = assert!(MOST_STEPS >= ProvenContacts::MAX_STEPS);
 
 /// The steps of an interval, in time order.
 pub(super) type BoundSteps = ArrayVec<BoundStep, MOST_STEPS>;
@@ -57,6 +57,8 @@ pub(super) struct ProvenContacts {
 impl ProvenContacts {
     /// Largest number of contacts. What more there are is not known: more pairs are solved then.
     const MAX: usize = 4;
+    /// Largest number of steps that are listed.
+    pub(super) const MAX_STEPS: usize = 2 * Self::MAX + 3;
     /// Share of the part that is more than the rounding of shares.
     const SHARE: f64 = 1e-12;
 

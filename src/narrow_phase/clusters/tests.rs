@@ -6,7 +6,7 @@ use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::contact::{
-    ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
+    ClosestSearch, KeptQuestion, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
 };
 use super::super::profile::DistanceProfile;
 use super::sections::Rotations;
@@ -14,7 +14,7 @@ use super::{BodyView, ClusterPair, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
-use crate::narrow_phase::{Approach, Contact};
+use crate::narrow_phase::{Approach, Contact, widened};
 use crate::orientation::Orientation;
 use crate::rounding::exact::vector;
 use crate::shape::BodyShape;
@@ -182,6 +182,42 @@ impl Case {
         found
     }
 
+    /// Returns what is kept of all spans.
+    fn kept(&self, margins: &[f64], cuts: Option<&[f64]>) -> Vec<SolvedSpan> {
+        let [a, b] = &self.views();
+        let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
+        let mut kept = Vec::new();
+        for span in self.spans() {
+            let asked = KeptQuestion { margins, cuts };
+            solve(a, b, span, &asked, whole, |_, one| kept.push(one));
+        }
+        kept
+    }
+
+    /// Compares contacts at its margin and at a larger one (m) in what is kept for these alone with those of all pairs of
+    /// spheres, and at instants where windows cut; returns how many there were.
+    fn check_whole_contacts(
+        &self,
+        larger: f64,
+        windows: impl Iterator<Item = (f64, f64)>,
+    ) -> usize {
+        let [a, b] = &self.views();
+        let margins = [self.margin, larger];
+        let mut count = 0;
+        let all = (f64::MIN, f64::MAX);
+        for (window, is_whole) in windows.map(|cut| (cut, false)).chain([(all, true)]) {
+            let cuts: &[f64] = if is_whole { &[] } else { &[window.0, window.1] };
+            let kept = self.kept(&margins, Some(cuts));
+            for margin in margins.map(|margin| widened(margin, a.model_error_with(b))) {
+                let found = kept_contacts(&kept, margin, window);
+                let expected = self.contacts_of_all(margin, window);
+                assert_eq!(found, expected, "{margin} {window:?} {is_whole}");
+                count += found.len();
+            }
+        }
+        count
+    }
+
     fn nearest(&self, window: (f64, f64)) -> Option<Approach> {
         let [a, b] = &self.views();
         closest_approach(a, b, self.spans().into_iter(), window)
@@ -241,7 +277,7 @@ fn ends_of(proven: &[CertifiedContact]) -> Vec<(bool, TimeEnclosure, TimeEnclosu
 fn omitted_pairs_change_nothing() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let rng = &mut rng;
-    let (mut touching, mut certain) = (0, 0);
+    let (mut touching, mut certain, mut whole) = (0, 0, 0);
     let mut workspace = Workspace::default();
     for kind in 0..720 {
         let (turns, other) = (kind / 3, kind / 3 - kind / 3 % 5 + 1);
@@ -313,20 +349,30 @@ fn omitted_pairs_change_nothing() {
             for span in case.spans() {
                 let step = step.max(span.start).min(span.end);
                 let first = ((span.start, step), f64::NEG_INFINITY);
-                let after = solve(a, b, span, margin, first, |_, solved| kept.push(solved));
+                let asked = KeptQuestion {
+                    margins: &[margin],
+                    cuts: None,
+                };
+                let after = solve(a, b, span, &asked, first, |_, solved| kept.push(solved));
                 let rest = ((step, span.end), after);
-                solve(a, b, span, margin, rest, |_, solved| kept.push(solved));
+                solve(a, b, span, &asked, rest, |_, solved| kept.push(solved));
             }
             let found = kept_contacts(&kept, outer, window);
             assert_eq!(found, expected, "{kind}, {step}");
         }
+
+        let windows = instants.iter().flat_map(windows).chain([window]);
+        whole += case.check_whole_contacts(case.margin + size, windows);
 
         let proven = case.proofs(window, &mut workspace);
         let expected = case.proofs_of_all(window, &mut workspace);
         assert_eq!(ends_of(&proven), ends_of(&expected), "{kind}");
         certain += proven.iter().filter(|one| one.certificate.resolved).count();
     }
-    assert!(touching > 200 && certain > 100, "{touching} {certain}");
+    assert!(
+        touching > 200 && certain > 100 && whole > 1_000,
+        "{touching} {certain} {whole}"
+    );
 }
 
 /// Tops at rest: their spheres are on the axis, and stay where they are. So bounds leave nothing to spare

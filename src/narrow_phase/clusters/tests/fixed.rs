@@ -1,7 +1,7 @@
 //! Omitted pairs change no result: against all pairs of spheres, solved one by one.
 
 use super::super::super::certified::{Workspace, certified_approach};
-use super::super::super::contact::{SolvedSpan, closest_approach, solve};
+use super::super::super::contact::closest_approach;
 use super::super::super::profile::DistanceProfile;
 use super::{Case, Mover, kept_contacts, vector};
 use crate::accuracy::Accuracy;
@@ -156,17 +156,6 @@ impl Case {
         let windows = windows.chain([self.window]);
         windows.filter(|window| window.0 <= window.1).collect()
     }
-
-    /// Returns what is kept of all spans.
-    fn solved(&self) -> Vec<SolvedSpan> {
-        let [a, b] = &self.views();
-        let whole = ((f64::MIN, f64::MAX), f64::NEG_INFINITY);
-        let mut kept = Vec::new();
-        for span in self.spans() {
-            solve(a, b, span, self.margin, whole, |_, one| kept.push(one));
-        }
-        kept
-    }
 }
 
 #[test]
@@ -194,7 +183,7 @@ fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
     for kind in 0..2_000 {
         let case = case(&mut rng, kind);
         let [a, b] = &case.views();
-        let kept = case.solved();
+        let kept = case.kept(&[case.margin], None);
         count += kept.len();
         all += case.spans().len() * a.spheres.len() * b.spheres.len();
         let found = kept_contacts(&kept, case.band().outer, (f64::MIN, f64::MAX));
@@ -214,6 +203,19 @@ fn what_is_kept_of_a_span_serves_for_all_margins_and_windows() {
         several > 5_000 && 5 * count < all,
         "{several} {count} {all}"
     );
+}
+
+#[test]
+fn whole_contacts_are_those_of_all_pairs() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut count = 0;
+    for kind in 0..2_000 {
+        let case = case(&mut rng, kind);
+        let found = case.contacts(case.window);
+        let larger = case.margin + case.margin.abs() * rng.random_range(0.0..1.0);
+        count += case.check_whole_contacts(larger, case.windows_at(&found).into_iter());
+    }
+    assert!(count > 5_000, "{count}");
 }
 
 #[test]
@@ -308,7 +310,7 @@ fn what_instants_are_rounded_by_rules_nothing_out() {
             instants.extend(found.iter().flat_map(of_contact));
         });
         let whole = (case.start, case.end);
-        let kept = case.solved();
+        let kept = case.kept(&[case.margin], None);
         for _ in 0..8.min(instants.len()) {
             let any = |rng: &mut ChaCha8Rng| {
                 let time = instants[rng.random_range(0..instants.len())];
