@@ -5,6 +5,7 @@ use crate::count::{as_f64, whole};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::query::Query;
 use crate::scene::Scene;
+use crate::search::mean_spacing;
 use crate::shape::BodyShape;
 use crate::window::Window;
 use glam::DVec3;
@@ -109,12 +110,10 @@ impl SceneEstimate {
         let presence = (scene.mean_present((from, from + lookahead)) / bodies).min(1.0);
         if count > 1 {
             let reach = margin.max(f64::MIN_POSITIVE);
-            let mut spacing = 1.0;
             middle = DAabb::of_middle_half(&mut positions[..count]);
-            for extent in (middle.high - middle.low).to_array() {
-                spacing *= (2.0 * extent).max(reach).cbrt();
-            }
-            let spacing = (spacing / bodies.cbrt()).max(reach);
+            let extents = (middle.high - middle.low).to_array();
+            let sides = extents.map(|extent| (2.0 * extent).max(reach));
+            let spacing = mean_spacing(sides, bodies).max(reach);
             slices = 2.0 * lookahead * telling_speed(&mut speeds[..count]) / spacing;
         }
         Self {

@@ -81,6 +81,23 @@ impl SceneStatistics {
     }
 }
 
+/// Returns the mean spacing of so many bodies in a world with these sides, m. A side shorter than that does not count: bodies
+/// on a plane, or in a thin layer, have no third dimension to be apart in.
+pub(crate) fn mean_spacing(mut sides: [f64; 3], count: f64) -> f64 {
+    sides.sort_unstable_by(f64::total_cmp);
+    let [shortest, middle, longest] = sides;
+    let in_space = (shortest.cbrt() * middle.cbrt()) * (longest.cbrt() / count.cbrt());
+    if in_space < shortest {
+        return in_space;
+    }
+    let on_plane = middle.sqrt() * (longest.sqrt() / count.sqrt());
+    if on_plane < middle {
+        on_plane
+    } else {
+        longest / count
+    }
+}
+
 impl<'p> TimeSlices<'p> {
     /// Length of boxes in mean spacings of the bodies. With longer boxes, candidates grow with the
     /// cube of their size; with shorter ones, the boxes themselves dominate.
@@ -99,13 +116,8 @@ impl<'p> TimeSlices<'p> {
         let duration = end - start;
         let present = statistics.present((start, end));
         let speed = statistics.path / statistics.body_time;
-        let volume: f64 = statistics
-            .world
-            .iter()
-            .map(|&side| side.max(statistics.margin).max(f64::MIN_POSITIVE))
-            .map(f64::cbrt)
-            .product();
-        let spacing = (volume / present.max(1.0).cbrt()).max(statistics.margin);
+        let sides = statistics.world.map(|side| side.max(statistics.margin));
+        let spacing = mean_spacing(sides, present.max(1.0)).max(statistics.margin);
         let length = (Self::SPACINGS_PER_SLICE * spacing / speed)
             .min(Self::MAX_SEGMENTS_PER_SLICE * statistics.body_time / statistics.segments)
             .max(statistics.body_time / Self::MAX_BOXES);
