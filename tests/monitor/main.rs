@@ -34,9 +34,10 @@ mod tracked;
 mod tracked_calls;
 mod unchanged;
 
+use glam::DQuat;
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
-    Hitbox, Layers, Monitor, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+    Hitbox, Layers, Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -51,9 +52,36 @@ const LEVELS: [AlertLevel; 3] = [
     AlertLevel::at(-0.1),
 ];
 
-fn hitbox(rng: &mut ChaCha8Rng) -> Hitbox {
-    if rng.random_bool(0.3) {
-        let spheres = (0..3)
+/// A kind of random world.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// Side of the world, m.
+    cube: f64,
+    /// Share of bodies that are clusters, and their spheres.
+    clusters: f64,
+    spheres: usize,
+    /// True if clusters turn.
+    turns: bool,
+}
+
+const SMALL: Kind = Kind {
+    cube: 14.0,
+    clusters: 0.3,
+    spheres: 3,
+    turns: false,
+};
+
+/// Of two clusters, not all pairs of spheres that are the nearest ones at some time are solved at first.
+const LARGE: Kind = Kind {
+    clusters: 0.9,
+    spheres: 24,
+    turns: true,
+    ..SMALL
+};
+
+fn hitbox(rng: &mut ChaCha8Rng, kind: Kind) -> Hitbox {
+    if rng.random_bool(kind.clusters) {
+        let spheres = (0..kind.spheres)
             .map(|_| Sphere {
                 offset: vector(rng, 1.0),
                 radius: rng.random_range(0.1..0.5),
@@ -88,25 +116,31 @@ fn plan(rng: &mut ChaCha8Rng, start: f64, from: Option<State>, cube: f64) -> Tra
         .with_outside(outside)
 }
 
-fn body(rng: &mut ChaCha8Rng, start: f64, cube: f64) -> Body {
+fn body(rng: &mut ChaCha8Rng, start: f64, kind: Kind) -> Body {
     let layers = if rng.random_bool(0.2) {
         Layers::new(1 << rng.random_range(0..3), 0b101)
     } else {
         Layers::ALL
     };
-    Body::new(plan(rng, start, None, cube))
-        .with_hitbox(hitbox(rng))
-        .with_layers(layers)
+    let body = Body::new(plan(rng, start, None, kind.cube))
+        .with_hitbox(hitbox(rng, kind))
+        .with_layers(layers);
+    if kind.turns && rng.random_bool(0.5) {
+        let spin = Orientation::spin(start, DQuat::IDENTITY, vector(rng, 2.0));
+        body.with_orientation(spin.unwrap())
+    } else {
+        body
+    }
 }
 
 /// One random change of plans; refusals (a splice where there is no plan) are part of life.
-fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cube: f64) {
-    let now = monitor.now();
+fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, kind: Kind) {
+    let (now, cube) = (monitor.now(), kind.cube);
     let pick = |rng: &mut ChaCha8Rng, ids: &[BodyId]| ids[rng.random_range(0..ids.len())];
     match rng.random_range(0..10) {
         0 => {
             let start = now + rng.random_range(-2.0..3.0);
-            let new = body(rng, start, cube);
+            let new = body(rng, start, kind);
             ids.push(monitor.insert(new).unwrap());
         }
         1 if ids.len() > 6 => {
@@ -115,7 +149,7 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, cu
         }
         2 => {
             let id = pick(rng, ids);
-            let hitbox = hitbox(rng);
+            let hitbox = hitbox(rng, kind);
             monitor.set_hitbox(id, hitbox).unwrap();
         }
         3 => {
@@ -234,7 +268,7 @@ fn ticks(default: u32) -> u32 {
 #[test]
 fn equals_one_shot_screening_and_the_reference_at_every_tick() {
     for seed in 31..34 {
-        long_run(seed, 3.0);
+        long_run(seed, 3.0, (SMALL, 1_500));
     }
 }
 
@@ -242,25 +276,29 @@ fn equals_one_shot_screening_and_the_reference_at_every_tick() {
 #[test]
 fn equals_one_shot_screening_and_the_reference_after_far_jumps() {
     for seed in 35..37 {
-        long_run(seed, 0.05);
+        long_run(seed, 0.05, (SMALL, 1_500));
     }
 }
 
-fn long_run(seed: u64, lookahead: f64) {
-    const CUBE: f64 = 14.0;
+#[test]
+fn equals_one_shot_screening_and_the_reference_of_large_clusters() {
+    long_run(38, 2.0, (LARGE, 700));
+}
+
+fn long_run(seed: u64, lookahead: f64, (kind, default): (Kind, u32)) {
     let mut rng = rng(seed);
     let mut scene = Scene::new();
     let mut ids: Vec<BodyId> = (0..24)
-        .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
+        .map(|_| scene.insert(body(&mut rng, -1.0, kind)).unwrap())
         .collect();
     let mut monitor = with_every_change(Monitor::new(scene, 0.0, lookahead, &LEVELS).unwrap());
     let mut ledger = Ledger::default();
     let mut reference = Reference::new(&LEVELS, 0.0, lookahead);
     let (mut conflicts, mut events) = (0, Vec::new());
     let mut count = 0;
-    for tick in 0..ticks(1500) {
+    for tick in 0..ticks(default) {
         for _ in 0..rng.random_range(0..3) {
-            change(&mut rng, &mut monitor, &mut ids, CUBE);
+            change(&mut rng, &mut monitor, &mut ids, kind);
         }
         let step = match rng.random_range(0..40) {
             0 => 0.0,
@@ -320,7 +358,7 @@ fn long_run(seed: u64, lookahead: f64) {
         }
         if ids.len() < 12 {
             let start = now - 1.0;
-            ids.push(monitor.insert(body(&mut rng, start, CUBE)).unwrap());
+            ids.push(monitor.insert(body(&mut rng, start, kind)).unwrap());
         }
     }
     events.clear();
@@ -344,17 +382,20 @@ fn long_run(seed: u64, lookahead: f64) {
 /// So many that boxes are in trees of several levels, and none to all of them change in a tick.
 #[test]
 fn equals_one_shot_screening_with_many_bodies() {
-    const CUBE: f64 = 120.0;
+    const KIND: Kind = Kind {
+        cube: 120.0,
+        ..SMALL
+    };
     let mut rng = rng(41);
     let mut scene = Scene::new();
     let mut ids: Vec<BodyId> = (0..1500)
-        .map(|_| scene.insert(body(&mut rng, -1.0, CUBE)).unwrap())
+        .map(|_| scene.insert(body(&mut rng, -1.0, KIND)).unwrap())
         .collect();
     let mut monitor = with_every_change(Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap());
     let (mut conflicts, mut events) = (0, Vec::new());
     for tick in 0..60 {
         for _ in 0..[0, 5, 60, 300, 2000][tick % 5] {
-            change(&mut rng, &mut monitor, &mut ids, CUBE);
+            change(&mut rng, &mut monitor, &mut ids, KIND);
         }
         let now = monitor.now() + rng.random_range(0.0..0.2);
         let budget = match tick % 7 {

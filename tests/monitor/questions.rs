@@ -1,8 +1,8 @@
 //! What would be if: answers against screenings of the scene with the plan in place.
 
-use super::hitbox;
 use super::scenarios::tick;
 use super::support::{bits, rng, rng as support_rng, vector, wander, with_every_change};
+use super::{SMALL, hitbox};
 use glam::DVec3;
 use nearmiss::{
     AlertLevel, Body, BodyId, Budget, Conflict, Error, Hitbox, Layers, Monitor, Outside, Query,
@@ -61,7 +61,7 @@ fn body(rng: &mut ChaCha8Rng, start: f64) -> Body {
         Layers::ALL
     };
     Body::new(plan(rng, start))
-        .with_hitbox(hitbox(rng))
+        .with_hitbox(hitbox(rng, SMALL))
         .with_layers(layers)
 }
 
