@@ -410,8 +410,8 @@ pub enum Error {
         /// Instant up to which all is known, s.
         complete_until: f64,
     },
-    /// A plan or an orientation is to change at a time that is NaN or infinite.
-    #[error("a plan or an orientation cannot change at {time:?} s: give a finite time")]
+    /// A plan or an orientation is to change at a time that is not within ±1e300.
+    #[error("a plan or an orientation cannot change at {time:?} s: give a time within ±1e300")]
     ChangeTime {
         /// The time, s.
         time: f64,
@@ -495,5 +495,18 @@ pub enum Error {
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
+    }
+}
+
+/// Checks the instant at which a plan or an orientation is to change, s.
+///
+/// # Errors
+///
+/// [`Error::ChangeTime`].
+pub(crate) fn check_change_time(from: f64) -> Result<(), Error> {
+    if from.abs() <= MAX_MAGNITUDE {
+        Ok(())
+    } else {
+        Err(Error::ChangeTime { time: from })
     }
 }

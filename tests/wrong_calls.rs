@@ -96,7 +96,8 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(flying().spliced(20.0, &flying())?),
      "the plan so far does not exist at 20.0 s: it is from 0.0 s to 10.0 s; set the trajectory as a whole instead \
       (set_trajectory)"),
-    (|| done(flying().spliced(f64::NAN, &flying())?), "a plan or an orientation cannot change at NaN s: give a finite time"),
+    (|| done(flying().spliced(1e301, &flying())?), "a plan or an orientation cannot change at 1e301 s: give a time within ±1e300"),
+    (|| done(flying().spliced(f64::NAN, &flying())?), "a plan or an orientation cannot change at NaN s: give a time within ±1e300"),
     (|| fit(|t| (t.sin() * DVec3::X, 60.0 * t.cos() * DVec3::X), window(0.0, 9.0), 0.01),
      "the motion at 0.3521844789475136 s: velocity x is 56.317285143914546 m/s, but the position changes by \
       0.9386214190645441 m/s: give the derivative of the position, or a larger tolerance"),
@@ -238,11 +239,11 @@ const MONITORS: &[(Attempt, &str)] = &[
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.replan(id, f64::NAN, flying())?)
-    }, "body 0v0 (tag 4): a plan or an orientation cannot change at NaN s: give a finite time"),
+    }, "body 0v0 (tag 4): a plan or an orientation cannot change at NaN s: give a time within ±1e300"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.orient(id, f64::INFINITY, Orientation::FIXED)?)
-    }, "body 0v0 (tag 4): a plan or an orientation cannot change at inf s: give a finite time"),
+    }, "body 0v0 (tag 4): a plan or an orientation cannot change at inf s: give a time within ±1e300"),
     (|| {
         let (mut monitor, id) = monitor();
         done(monitor.track(1.0, [(id, state(1.0, f64::NAN))])?)

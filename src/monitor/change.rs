@@ -118,7 +118,7 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not finite, with
+    /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ChangeTime`] if `from` is not within ±1e300, with
     /// [`Error::RotationVanishes`] if the tolerance of one orientation is too small for the other, or with
     /// [`Error::TurningHalfSpace`].
     pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {

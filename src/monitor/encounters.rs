@@ -4,13 +4,12 @@
 //! window from the instant up to which the last tick reported to the end of the known time. [`Encounter`] says how old
 //! and new ones are matched.
 
-use super::bodies::BodyTable;
 use super::event::{Encounter, EncounterId, EndReason, Event, EventKind};
-use super::revision_threshold::RevisionThreshold;
+use super::sent_numbers::{SentNumbers, differs};
 use super::solved_conflict::{SolvedApproach, SolvedConflict};
-use super::solved_spans::{SlotPair, SolvedSpans};
+use super::solved_spans::SlotPair;
 use super::sorted_slab::SortedSlab;
-use crate::narrow_phase::Approach;
+use super::tick_context::TickContext;
 use crate::scene::Scene;
 use std::cmp::Ordering;
 
@@ -38,50 +37,6 @@ pub(super) struct TrackedEncounter {
     ends_with_trajectory: bool,
     /// Closest approach so far, once it has begun.
     passed: Option<SolvedApproach>,
-}
-
-/// The numbers of an encounter that its first event or its last revision gave: the next revision is measured from
-/// them. (`Began` gives numbers as well, but does not count: a change that is kept back before it is not lost.)
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct SentNumbers {
-    enter: f64,
-    exit: f64,
-    open: bool,
-    closest_time: f64,
-    separation: f64,
-    model_error: f64,
-}
-
-impl SentNumbers {
-    const fn of(encounter: &Encounter) -> Self {
-        Self {
-            enter: encounter.enter,
-            exit: encounter.exit,
-            open: encounter.open,
-            closest_time: encounter.closest.time,
-            separation: encounter.closest.separation,
-            model_error: encounter.closest.model_error,
-        }
-    }
-
-    fn are_finite(&self) -> bool {
-        let Self {
-            enter,
-            exit,
-            open: _,
-            closest_time,
-            separation,
-            model_error,
-        } = *self;
-        let numbers = [enter, exit, closest_time, separation, model_error];
-        numbers.into_iter().all(f64::is_finite)
-    }
-
-    /// Returns false if the bodies may still have been closing in, at an open end.
-    fn knows_closest(&self) -> bool {
-        !(self.open && self.closest_time >= self.exit)
-    }
 }
 
 /// The saved encounters of a level.
@@ -123,23 +78,6 @@ pub(super) struct EncounterTracker {
     waiting: Vec<SlotPair>,
     /// Pairs that the last update replaced, sorted.
     updated: Vec<SlotPair>,
-}
-
-/// The instants that a tick works with, and what is known then.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TickContext<'s> {
-    /// The clock, s.
-    pub(super) now: f64,
-    /// Instant up to which clock events may be reported, s: the clock, or the end of the known time if sooner.
-    pub(super) reported: f64,
-    /// Instant up to which the last tick reported, s.
-    pub(super) before: f64,
-    /// End of the known time, s.
-    pub(super) known: f64,
-    pub(super) lookahead: f64,
-    pub(super) revision_threshold: RevisionThreshold,
-    pub(super) solved: &'s SolvedSpans,
-    pub(super) bodies: BodyTable<'s>,
 }
 
 impl EncounterTracker {
@@ -417,6 +355,7 @@ fn clock(
 ) -> Option<TrackedEncounter> {
     if !tracked.begun && tracked.encounter.enter <= tick.reported {
         tracked.begun = true;
+        tracked.sent.forget_unknown(&tracked.encounter);
         events.push(Event {
             time: tracked.encounter.enter,
             kind: EventKind::Began(tracked.encounter),
@@ -440,50 +379,4 @@ fn clock(
         }
     }
     Some(tracked)
-}
-
-/// Returns true if the numbers differ by more than the revision threshold, as far as both are known. A change
-/// beyond the end of the examined time, which moves, is no revision.
-fn differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext<'_>) -> bool {
-    let new = &SentNumbers::of(encounter);
-    let threshold = &tick.revision_threshold;
-    let moved = |x: f64, y: f64| (x - y).abs() > threshold.time;
-    let exit = match (new.open, sent.open) {
-        (false, false) => moved(new.exit, sent.exit),
-        (true, true) => false,
-        // A budget may have hidden an exit that was known.
-        (true, false) => new.exit > sent.exit + threshold.time,
-        (false, true) => true,
-    };
-    let model_error = (new.model_error - sent.model_error).abs() > threshold.separation;
-    moved(new.enter, sent.enter) || exit || model_error || closest_differs(encounter, sent, tick)
-}
-
-fn closest_differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext<'_>) -> bool {
-    let new = &SentNumbers::of(encounter);
-    let threshold = &tick.revision_threshold;
-    let is_lower = new.separation < sent.separation - threshold.separation;
-    if !sent.knows_closest() {
-        // While they close in it is reported once a lookahead at most.
-        let is_later = new.closest_time >= sent.closest_time + tick.lookahead;
-        return new.knows_closest() || is_later && is_lower;
-    }
-    // The nearest point that was reported lies beyond the examined time, since a budget ran out.
-    let hidden = new.open && sent.closest_time > new.exit;
-    if hidden {
-        return new.knows_closest() && is_lower;
-    }
-    // Where a distance stays the same, or is as small again, the instant of the least one is a matter of rounding.
-    let is_still_closest = || {
-        let slots = (encounter.a.slot, encounter.b.slot);
-        let time = sent.closest_time;
-        let there = tick.solved.closest_at(slots, time, &tick.bodies);
-        let nearest = new.separation + threshold.separation;
-        // A constant distance is reported at its first instant, whatever the rounding.
-        let is_near = |there: Approach| there.plateau == 0.0 && there.separation <= nearest;
-        threshold.separation > 0.0 && (time <= tick.before || there.is_some_and(is_near))
-    };
-    let is_moved = (new.closest_time - sent.closest_time).abs() > threshold.time;
-    (new.separation - sent.separation).abs() > threshold.separation
-        || (is_moved || !new.knows_closest()) && !is_still_closest()
 }

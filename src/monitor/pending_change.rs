@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBody;
-use crate::error::Error;
+use crate::error::{Error, check_change_time};
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
@@ -49,9 +49,7 @@ impl ChangeContext<'_> {
         plan: &Trajectory,
         from: f64,
     ) -> Result<f64, Error> {
-        if !from.is_finite() {
-            return Err(Error::ChangeTime { time: from });
-        }
+        check_change_time(from)?;
         if from > self.now {
             return Ok(from);
         }

@@ -6,11 +6,12 @@
 //! clock, touches is clipped to it in each tick.
 
 use super::alert_level::AlertLevel;
-use super::encounters::{PlannedEncounter, TickContext};
+use super::encounters::PlannedEncounter;
 use super::lookahead::LookaheadSearch;
 use super::reading::{ConflictCache, EncounterCache};
 use super::solved_conflict::SolvedConflict;
 use super::solved_spans::SlotPair;
+use super::tick_context::TickContext;
 use crate::conflict::{Clip, ClosestApproach, Conflict};
 use crate::id::BodyId;
 use crate::narrow_phase::{BodyView, Contact};

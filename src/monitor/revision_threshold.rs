@@ -3,10 +3,10 @@
 /// Largest change of an encounter that is not reported, measured from its first event or its last
 /// [`Revised`](crate::EventKind::Revised).
 ///
-/// Two changes of an `open` encounter are reported whatever the threshold, also an infinite one:
+/// Two changes of an encounter are reported whatever the threshold, also an infinite one:
 ///
-/// - Its end comes into the examined time: the encounter is no longer open.
-/// - Its nearest point comes into the examined time, after an event while the bodies still came nearer.
+/// - Its end comes into the examined time: it was `open` in its last event.
+/// - Its nearest point comes into the examined time: in its last event the bodies still came nearer at an open end.
 ///
 /// The default keeps back changes by rounding: where a distance hardly changes, or as the clock passes an instant
 /// that was computed. States told in f32 change predictions by more, in each tick: choose some hundredths there. A

@@ -7,7 +7,6 @@ use super::Monitor;
 use super::bodies::BodyTable;
 use super::budget::{Budget, BudgetMeter, TickWork};
 use super::command::CommandBatch;
-use super::encounters::TickContext;
 use super::event::{EndReason, Event};
 use super::grid::can_show;
 use super::interrupt::Interrupt;
@@ -16,6 +15,7 @@ use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::solved_spans::SlotPair;
+use super::tick_context::TickContext;
 use crate::error::Error;
 use crate::parallel;
 use crate::rounding::without_negative_zero;

@@ -1,6 +1,6 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
-use super::clusters::{ClusterPair, ProvenContact};
+use super::clusters::{ClusterPair, KeptQuestion, ProvenContact};
 use super::half_space::{self, may_touch_plane};
 use super::profile::DistanceProfile;
 use super::rejection::{certainly_beyond, segments_apart};
@@ -23,21 +23,6 @@ pub(crate) struct SolvedSpan {
     /// True if the pairs of spheres that are solved over the span, or over this part of it, suffice for windows that cut a
     /// contact.
     is_for_any_window: bool,
-}
-
-/// What is asked of a span that is solved once and kept.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct KeptQuestion<'m> {
-    /// Margins of the contacts, m, the largest one last: at least one.
-    pub(crate) margins: &'m [f64],
-    /// Instants at which windows cut contacts, s. `None` if any window may.
-    pub(crate) cuts: Option<&'m [f64]>,
-}
-
-impl KeptQuestion<'_> {
-    fn largest_margin(&self) -> f64 {
-        self.margins.last().copied().unwrap_or(f64::NEG_INFINITY)
-    }
 }
 
 impl SolvedSpan {

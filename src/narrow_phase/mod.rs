@@ -26,9 +26,8 @@ mod stationary;
 
 pub(crate) use approach::{approaching, keep_approaching};
 pub(crate) use certified::{CertifiedContact, Workspace, certified_approach, certified_contacts};
-pub(crate) use contact::{
-    KeptQuestion, SolvedSpan, closest_approach, contacts, contacts_of, may_touch, solve,
-};
+pub(crate) use clusters::KeptQuestion;
+pub(crate) use contact::{SolvedSpan, closest_approach, contacts, contacts_of, may_touch, solve};
 pub(crate) use half_space::HeightRange;
 pub(crate) use sphere_pair::{Approach, Contact};
 

@@ -22,7 +22,7 @@ pub(crate) use baked::BakedRotation;
 pub(crate) use told_spin::ToldSpin;
 pub(crate) use turning::{Turning, TurningSection};
 
-use crate::error::Error;
+use crate::error::{Error, check_change_time};
 use crate::rounding::without_negative_zero;
 use crate::trajectory::Outside;
 use given::GivenRotation;
@@ -234,7 +234,7 @@ impl Orientation {
     ///
     /// # Errors
     ///
-    /// [`Error::ChangeTime`] if `from` is NaN or infinite; [`Error::RotationVanishes`] if a
+    /// [`Error::ChangeTime`] if `from` is not within ±1e300; [`Error::RotationVanishes`] if a
     /// [normalised cubic](Self::normalized_cubic) cannot be known to the tolerance of the other orientation.
     pub fn spliced(&self, from: f64, next: &Self) -> Result<Self, Error> {
         self.followed_by(next, from, f64::NEG_INFINITY)
@@ -245,7 +245,7 @@ impl Orientation {
     ///
     /// # Errors
     ///
-    /// [`Error::ChangeTime`] for an instant that is not finite; [`Error::RotationVanishes`] if a cubic
+    /// [`Error::ChangeTime`]; [`Error::RotationVanishes`] if a cubic
     /// cannot be known to the tolerance of the other orientation.
     pub(crate) fn followed_by(&self, next: &Self, from: f64, since: f64) -> Result<Self, Error> {
         let from = Self::checked_start(from)?;
@@ -267,11 +267,8 @@ impl Orientation {
     ///
     /// [`Error::ChangeTime`].
     pub(crate) fn checked_start(from: f64) -> Result<f64, Error> {
-        if from.is_finite() {
-            Ok(without_negative_zero(from))
-        } else {
-            Err(Error::ChangeTime { time: from })
-        }
+        check_change_time(from)?;
+        Ok(without_negative_zero(from))
     }
 
     fn into_turning(self) -> Turning {

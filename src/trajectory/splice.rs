@@ -3,7 +3,7 @@
 use super::cuts::DoublingCuts;
 use super::segment_lists::{SegmentLists, count_at_front};
 use super::{Outside, Storage, Trajectory};
-use crate::error::Error;
+use crate::error::{Error, check_change_time};
 use crate::rounding::without_negative_zero;
 use crate::simd::{prefetch, prefetch_first};
 use std::iter::{once, repeat_n};
@@ -35,15 +35,13 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// - [`Error::ChangeTime`] if `from` is NaN or infinite.
+    /// - [`Error::ChangeTime`] if `from` is not within ±1e300.
     /// - [`Error::NoOldPlan`] unless this plan exists at `from`; [`Error::NoNewPlan`] unless the new one does, and goes
     ///   on from there.
     /// - [`Error::OutOfRange`] if a plan leaves the range of numbers between its knots and `from`.
     /// - [`Error::TooFar`] if `from` is too far from a plan's knots.
     pub fn spliced(&self, from: f64, plan: &Self) -> Result<Self, Error> {
-        if !from.is_finite() {
-            return Err(Error::ChangeTime { time: from });
-        }
+        check_change_time(from)?;
         let mut spliced = plan.clone();
         spliced.precede_by(self, from, f64::NEG_INFINITY)?;
         Ok(spliced)

@@ -16,6 +16,7 @@ mod equal_distances;
 mod grid;
 mod instants;
 mod late;
+mod ledger;
 mod overload;
 mod partners;
 mod questions;
@@ -35,15 +36,15 @@ mod tracked_calls;
 mod unchanged;
 
 use glam::DQuat;
+use ledger::Ledger;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, EncounterId, EndReason, Error, Event, EventKind,
-    Hitbox, Layers, Monitor, Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Budget, Command, EndReason, Error, Hitbox, Layers, Monitor,
+    Orientation, Outside, Query, Scene, Sphere, State, Trajectory, Window,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use reference::{Reference, order, reported};
 use scenarios::tick;
-use std::collections::BTreeMap;
 use support::{bits, rng, vector, wander, with_every_change};
 
 const LEVELS: [AlertLevel; 3] = [
@@ -210,43 +211,6 @@ fn change(rng: &mut ChaCha8Rng, monitor: &mut Monitor, ids: &mut Vec<BodyId>, ki
     }
 }
 
-/// Follows every encounter through its events.
-#[derive(Default)]
-struct Ledger {
-    open: BTreeMap<EncounterId, bool>,
-    closed: BTreeMap<EncounterId, EndReason>,
-}
-
-impl Ledger {
-    fn read(&mut self, events: &[Event]) {
-        for event in events {
-            match event.kind {
-                EventKind::Predicted(encounter) => {
-                    assert!(self.open.insert(encounter.id, false).is_none());
-                }
-                EventKind::Revised(encounter) => assert!(self.open.contains_key(&encounter.id)),
-                EventKind::Withdrawn(encounter) => {
-                    assert_eq!(self.open.remove(&encounter.id), Some(false), "{event:?}");
-                }
-                EventKind::Began(encounter) => {
-                    assert_ne!(
-                        self.open.insert(encounter.id, true),
-                        Some(true),
-                        "{event:?}"
-                    );
-                    assert_eq!(event.time, encounter.enter);
-                }
-                EventKind::Ended(encounter, reason) => {
-                    assert_eq!(self.open.remove(&encounter.id), Some(true), "{event:?}");
-                    assert!(self.closed.insert(encounter.id, reason).is_none());
-                    assert!(encounter.enter <= encounter.exit);
-                }
-                _ => {}
-            }
-        }
-    }
-}
-
 fn one_shot(monitor: &Monitor, level: AlertLevel, until: f64) -> Vec<Vec<u64>> {
     let window = Window::new(monitor.now(), until).unwrap();
     let query = Query::new(window).with_margin(level.margin);
@@ -324,6 +288,7 @@ fn long_run(seed: u64, lookahead: f64, (kind, default): (Kind, u32)) {
             Err(other) => panic!("{other}"),
         }
         ledger.read(&events);
+        ledger.knows_exits_of(&monitor);
         count += events.len();
         assert!(events.is_sorted_by(|x, y| x.order(y).is_le()));
         let known = monitor.complete_until();

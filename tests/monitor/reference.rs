@@ -284,6 +284,11 @@ fn go_on(
     if !this.has_begun && this.enter <= tick.reported {
         this.has_begun = true;
         tell(this.enter, 3, &this, 0);
+        // What this does not know is told again once it is known.
+        this.sent.2 |= this.open;
+        if this.open && this.closest.time >= this.exit {
+            (this.sent.1, this.sent.3) = (this.exit, this.closest);
+        }
     }
     if this.has_begun {
         let end = this.exit.min(tick.reported);

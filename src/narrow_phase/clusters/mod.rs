@@ -7,8 +7,9 @@
 //!
 //! - A screening solves those first that are probably the nearest ones. What these prove tells how near another
 //!   pair must come, and when, to matter (`search`).
-//! - A monitor keeps what it solves for other windows and smaller margins. It needs all pairs that are the nearest ones at
-//!   some time (`nearest`).
+//! - A monitor keeps what it solves. Of contacts as a whole, at each of its margins, it needs the same pairs (`whole`). For
+//!   windows that cut a contact it needs all pairs that are the nearest ones at some time (`nearest`); so it does of few pairs,
+//!   which are compared sooner than solved.
 //!
 //! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the reported values have the
 //! same bits as if every pair was solved.
@@ -31,7 +32,6 @@ mod tests;
 mod whole;
 
 use super::BodyView;
-use super::contact::KeptQuestion;
 use super::profile::DistanceProfile;
 use super::rejection::certainly_beyond;
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
@@ -47,6 +47,7 @@ pub(super) use proven::ProvenContact;
 use proven::ProvenContacts;
 use search::{ClosestQuestion, ContactsQuestion};
 use sections::{Rotations, Section, Sections, each_near, nearest_first};
+pub(crate) use whole::KeptQuestion;
 use whole::{MAX_MARGINS, WholeContactsQuestion};
 
 /// Two bodies over a span, of which at least one is a cluster or turns.

@@ -6,11 +6,11 @@ use super::super::certified::{
     CertifiedContact, MarginBand, Workspace, certified_approach, certified_contacts,
 };
 use super::super::contact::{
-    ClosestSearch, KeptQuestion, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
+    ClosestSearch, SolvedSpan, closest_approach, contacts, contacts_of, join, solve,
 };
 use super::super::profile::DistanceProfile;
 use super::sections::Rotations;
-use super::{BodyView, ClusterPair, SpherePair};
+use super::{BodyView, ClusterPair, KeptQuestion, SpherePair};
 use crate::accuracy::{Accuracy, TimeEnclosure};
 use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;

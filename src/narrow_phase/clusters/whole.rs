@@ -18,6 +18,21 @@ const _: () = assert!(MAX_MARGINS * ProvenContacts::MAX_STEPS <= MOST_STEPS);
 
 const ALL_TIMES: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
+/// What is asked of a span that is solved once and kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptQuestion<'m> {
+    /// Margins of the contacts, m, the largest one last: at least one.
+    pub(crate) margins: &'m [f64],
+    /// Instants at which windows cut contacts, s. `None` if any window may.
+    pub(crate) cuts: Option<&'m [f64]>,
+}
+
+impl KeptQuestion<'_> {
+    pub(in crate::narrow_phase) fn largest_margin(&self) -> f64 {
+        self.margins.last().copied().unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
 /// Asks for the pairs that begin or end a contact at some margin, or are the nearest ones in it; `solve` returns the
 /// profile of a pair's distance if that comes within the largest margin.
 pub(super) struct WholeContactsQuestion<F> {
@@ -99,7 +114,7 @@ fn larger(some: &BoundSteps, others: &BoundSteps) -> BoundSteps {
         some.next_if(|one| one.end <= step.end);
         others.next_if(|other| other.end <= step.end);
         match larger.last_mut() {
-            Some(last) if last.bound == step.bound => last.end = step.end,
+            Some(last) if last.bound.total_cmp(&step.bound).is_eq() => last.end = step.end,
             _ => larger.push(step),
         }
     }
