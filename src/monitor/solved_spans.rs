@@ -277,9 +277,12 @@ mod tests {
     use crate::hitbox::{Hitbox, Sphere};
     use crate::monitor::{AlertLevel, Monitor};
     use crate::orientation::Orientation;
+    use crate::rounding::exact::vector;
     use crate::scene::{Body, Scene};
-    use crate::trajectory::Trajectory;
+    use crate::trajectory::{State, Trajectory};
     use glam::{DQuat, DVec3};
+    use rand::SeedableRng;
+    use rand::rngs::ChaCha8Rng;
 
     /// One span of a body that turns on the ground for an hour has thousands of parts.
     #[test]
@@ -306,5 +309,44 @@ mod tests {
         let refused = solved.add(&span, &bodies, ((0.0, LOOKAHEAD), &[]), ROOM);
         assert!(refused.is_err());
         assert_eq!(solved.len(), ROOM + 1);
+    }
+
+    /// At an instant within a contact ahead, all pairs of spheres count: whether the span is solved for that or not.
+    #[test]
+    fn how_near_bodies_are_at_an_instant_does_not_depend_on_what_is_kept() {
+        let (mut incomplete, mut farther) = (0, 0);
+        for seed in 0..40 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut scene = Scene::new();
+            for side in [-1.0, 1.0] {
+                let spheres = (0..12).map(|_| Sphere::new(vector(&mut rng, 2.0), 0.2));
+                let hitbox = Hitbox::cluster(spheres.collect()).unwrap();
+                let state = State::new(0.0, 9.0 * side * DVec3::X, -side * DVec3::X);
+                let body = Body::new(Trajectory::coasting(state).unwrap());
+                let spin = Orientation::spin(0.0, DQuat::IDENTITY, vector(&mut rng, 0.3)).unwrap();
+                let turning = body.clone().with_orientation(spin);
+                let body = if seed % 2 == 0 { body } else { turning };
+                scene.insert(body.with_hitbox(hitbox)).unwrap();
+            }
+            let levels = [AlertLevel::at(0.5)];
+            let mut monitor = Monitor::new(scene, 0.0, 20.0, &levels).unwrap();
+            monitor.advance(0.0, &mut Vec::new()).unwrap();
+            let search = &mut monitor.search;
+            let bodies = BodyTable::of(&monitor.scene, &search.monitored, &search.grid);
+            for step in 0..20 {
+                let time = 8.0 + 0.1 * f64::from(step);
+                let (pair, solved) = ((0, 1), &mut search.solved);
+                let was_incomplete = solved.is_incomplete(pair, time);
+                let kept = solved.closest(pair, (time, time), Clip::default());
+                let found = solved.closest_at(pair, time, &bodies);
+                solved.complete(&[pair], time, &bodies);
+                assert!(!solved.is_incomplete(pair, time));
+                let expected = solved.closest(pair, (time, time), Clip::default());
+                assert_eq!(found, expected, "{seed} {time}");
+                incomplete += usize::from(was_incomplete);
+                farther += usize::from(kept != expected);
+            }
+        }
+        assert!(incomplete > 50 && farther > 5, "{incomplete} {farther}");
     }
 }
