@@ -171,8 +171,10 @@ impl DescentScratch {
         };
         self.heights.clear();
         let height = |&centre: &DVec3| match target {
-            Target::Samples(samples) => samples.signed_distance(centre, &mut self.bounds),
-            Target::Surfaces(_) => solid.signed_distance(centre),
+            Target::Samples(samples) if samples.tell_depths => {
+                samples.signed_distance(centre, &mut self.bounds)
+            }
+            Target::Samples(_) | Target::Surfaces(_) => solid.signed_distance(centre),
         };
         self.heights.extend(centres.iter().map(height));
         self.balls.clear();

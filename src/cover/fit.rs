@@ -1,15 +1,13 @@
 //! The search for a cover: from a shape to the best one found.
 
-use super::certificate::{Certified, certify, fine_surfaces};
+use super::certificate::{Certified, certify, fine_surfaces, without_needless};
 use super::closed_form::closed_form;
 use super::descent::{CoverCandidate, DescentScratch, Schedule, Target, descend};
-use super::needless::without_needless;
 use super::points::Samples;
 use super::random::Random;
 use super::refine::refined;
-use super::search::improve;
+use super::search::{deepest, improve, lattices, pool, spread};
 use super::solid::{Solid, SolidPart};
-use super::starts::{deepest, lattices, pool, spread};
 use super::surface::Surface;
 use crate::parallel;
 use glam::DVec3;
@@ -117,13 +115,17 @@ impl<'a> Fitter<'a> {
     pub(super) fn new(solid: &'a Solid, count: usize, seed: u64, effort: u32) -> Self {
         let coarse = solid.surfaces(COARSE);
         let sampling = Sampling::of(solid, &coarse);
-        let (samples, more_samples) = sampling.samples(&coarse, count);
+        let (mut samples, mut more_samples) = sampling.samples(&coarse, count);
+        let is_mesh = |part: &SolidPart| matches!(part, SolidPart::Mesh(_));
+        // Depths in a few convex parts are soon found. The nearest point may be of another part, within the solid.
+        let tell_depths = sampling == Sampling::Fewer || solid.parts.iter().any(is_mesh);
+        (samples.tell_depths, more_samples.tell_depths) = (tell_depths, tell_depths);
         let pool = pool(solid, POOL, &mut Random::new(seed, u64::MAX));
         let signed_distance = |at: DVec3, scratch: &mut Vec<f64>| {
-            if samples.is_empty() {
-                solid.signed_distance(at)
-            } else {
+            if samples.tell_depths && !samples.is_empty() {
                 samples.signed_distance(at, scratch)
+            } else {
+                solid.signed_distance(at)
             }
         };
         let ridges = deepest(&pool[..pool.len().min(RIDGE_POINTS)], &signed_distance);

@@ -9,12 +9,13 @@
 //! E = max over p in the shape of min over i of ( |p - c_i| + phi(c_i) )
 //! ```
 //!
-//! `starts` chooses centres, `descent` moves them down the gradient of a soft maximum over all
+//! `search` chooses centres, `descent` moves them down the gradient of a soft maximum over all
 //! points that reach out far, `search` moves single balls from where they are of little use to
 //! where they are needed, and descends again. The points are corners of the balls' shares of
 //! polyhedra (`cells`) where these are round or have few faces. Elsewhere they are points of a triangulation
 //! (`points`, `nearest`): one with fewer points where the surface is fine, one with more where the surface is
-//! coarse (`refine`). Balls that a cover does not need go (`needless`). Nothing of this has to be right: `certificate` finds the radii and their overshoot anew.
+//! coarse (`refine`). Nothing of this has to be right:
+//! `certificate` finds the radii and their overshoot anew, and lets balls go that a cover does not need.
 //!
 //! # The proof
 //!
@@ -69,7 +70,6 @@ mod hull;
 mod mesh;
 mod nearest;
 mod nearest_point;
-mod needless;
 mod options;
 mod point_tree;
 mod points;
@@ -79,7 +79,6 @@ mod refine;
 mod search;
 mod solid;
 mod sphere_cover;
-mod starts;
 mod surface;
 mod verify;
 mod volume;

@@ -33,6 +33,8 @@ pub(super) struct Samples {
     /// Outward unit vectors.
     normals: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
+    /// True if the search takes depths from the points, not from the solid.
+    pub(super) tell_depths: bool,
     /// True if all surfaces are closed: points behind them are inside.
     is_volume: bool,
 }

@@ -1,16 +1,16 @@
-//! Volumes of unions, by summing over parallel lines.
+//! Volumes of unions, by summing over lines and rays.
 
 use super::solid::{Solid, SolidPart};
 use super::surface::{Surface, fan};
 use crate::count::as_f64;
-use glam::{DVec2, DVec3};
-use std::f64::consts::PI;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
 
 /// Lines each way through a solid.
 const LINES: usize = 256;
 
-/// Lines through all balls, about.
-const ALL_LINES: usize = 1 << 18;
+/// Rays in all balls, about.
+const ALL_RAYS: usize = 1 << 17;
 
 /// The golden ratio, less 1.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -51,72 +51,40 @@ fn of_solid(solid: &Solid) -> f64 {
     lines.volume()
 }
 
-/// Returns the volume of a union: the sum of the balls' shares, each summed along lines through a box around it.
-/// A share is what of the ball has the least power with respect to it. So thin rows of balls, and rows of thin shares,
-/// need no more lines.
+/// Returns the volume of a union: the sum of the balls' shares, each summed along rays from its ball's centre. A share is
+/// what of the ball has the least power with respect to it.
 fn of_balls(balls: &[(DVec3, f64)]) -> f64 {
-    if let [(_, radius)] = balls {
-        return 4.0 / 3.0 * PI * radius.powi(3);
-    }
-    let lines = (ALL_LINES / balls.len()).clamp(256, 16_384);
+    let rays = (ALL_RAYS / balls.len()).clamp(256, 4_096);
     let of_share = |own: usize| {
         half_spaces_of_share(own, balls).map_or(0.0, |half_spaces| {
-            // Shares that are alike have lines at other places.
+            // Shares that are alike have rays at other places.
             let shift = (as_f64(own) * GOLDEN).fract();
-            of_share(balls[own].1, &half_spaces, lines, shift)
+            of_share(balls[own].1, &half_spaces, rays, shift)
         })
     };
     (0..balls.len()).map(of_share).sum()
 }
 
-/// Returns the volume of what half-spaces leave of a ball around 0. The lines lie along the plane that cuts most of it.
-fn of_share(radius: f64, half_spaces: &[(DVec3, f64)], lines: usize, shift: f64) -> f64 {
-    let planes = half_spaces.iter().map(|&(normal, offset)| {
-        let length = normal.length();
-        (normal / length, offset / length)
-    });
-    let planes: Vec<(DVec3, f64)> = planes.collect();
-    let nearest = planes.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some(across) = nearest.and_then(|(normal, _)| normal.try_normalize()) else {
-        return 4.0 / 3.0 * PI * radius.powi(3);
-    };
-    let (beside, up) = across.any_orthonormal_pair();
-    let reach = |direction: DVec3| {
-        let each = planes
-            .iter()
-            .map(|plane| reach_of_segment(radius, *plane, direction));
-        each.fold(radius, f64::min)
-    };
-    let low = DVec2::new(-reach(-across), -reach(-beside));
-    let size = (DVec2::new(reach(across), reach(beside)) - low).max(DVec2::ZERO);
-    let turned: Vec<(DVec3, f64)> = planes
+/// Returns the volume of what half-spaces leave of a ball around 0. The rays lie on a spiral around the direction to the
+/// nearest of their planes, evenly spread: also across a share that is a thin slice.
+fn of_share(radius: f64, half_spaces: &[(DVec3, f64)], rays: usize, shift: f64) -> f64 {
+    let distance = |&(normal, offset): &(DVec3, f64)| offset / normal.length();
+    let nearest = half_spaces
         .iter()
-        .map(|&(normal, offset)| {
-            let [x, y, z] = [across, beside, up].map(|axis| normal.dot(axis));
-            (DVec3::new(x, y, z), offset)
-        })
-        .collect();
-    let count = as_f64(lines);
-    let each = (0..lines).map(|number| {
-        // A lattice of the golden ratio: evenly spread along either side of the box, however thin.
-        let number = as_f64(number);
-        let place = DVec2::new((number * GOLDEN + shift).fract(), (number + 0.5) / count);
-        let place = low + size * place;
-        let square = radius * radius - place.length_squared();
-        within(place, square.max(0.0).sqrt(), &turned)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let axis = nearest.and_then(|(normal, _)| normal.try_normalize());
+    let axis = axis.unwrap_or(DVec3::Z);
+    let (right, up) = axis.any_orthonormal_pair();
+    let count = as_f64(rays);
+    let each = (0..rays).map(|number| {
+        let place = as_f64(number) + shift;
+        let height = 1.0 - 2.0 * place / count;
+        let (sin, cos) = (TAU * GOLDEN * place).sin_cos();
+        let away = (1.0 - height * height).max(0.0).sqrt();
+        let direction = axis * height + (right * cos + up * sin) * away;
+        cone_of_ray(direction, radius, half_spaces)
     });
-    each.sum::<f64>() * size.x * size.y / count
-}
-
-/// Returns how far a ball around 0, cut by a half-space (unit normal, offset), reaches along a unit vector.
-fn reach_of_segment(radius: f64, (normal, offset): (DVec3, f64), direction: DVec3) -> f64 {
-    let cos = normal.dot(direction);
-    if radius * cos <= offset {
-        return radius;
-    }
-    // Along the circle in which the plane cuts the ball.
-    let rim = (radius - offset) * (radius + offset);
-    offset * cos + (rim * (1.0 - cos * cos)).max(0.0).sqrt()
+    4.0 * PI / count * each.sum::<f64>()
 }
 
 /// Returns the half-spaces `normal . x <= offset` around a ball's centre that cut its share, `None` if the share is
@@ -140,21 +108,20 @@ fn half_spaces_of_share(own: usize, balls: &[(DVec3, f64)]) -> Option<Vec<(DVec3
     Some(half_spaces)
 }
 
-/// Returns the length of a line along z that is within half-spaces, up to a height and down to its
-/// opposite.
-fn within(place: DVec2, height: f64, half_spaces: &[(DVec3, f64)]) -> f64 {
-    let (mut low, mut high) = (-height, height);
+/// Returns the volume, for each unit of the solid angle, of what half-spaces leave around a ray from 0.
+fn cone_of_ray(direction: DVec3, length: f64, half_spaces: &[(DVec3, f64)]) -> f64 {
+    let (mut low, mut high) = (0.0_f64, length);
     for &(normal, offset) in half_spaces {
-        let rest = offset - normal.truncate().dot(place);
-        if normal.z > 0.0 {
-            high = high.min(rest / normal.z);
-        } else if normal.z < 0.0 {
-            low = low.max(rest / normal.z);
-        } else if rest < 0.0 {
+        let slope = normal.dot(direction);
+        if slope > 0.0 {
+            high = high.min(offset / slope);
+        } else if slope < 0.0 {
+            low = low.max(offset / slope);
+        } else if offset < 0.0 {
             return 0.0;
         }
     }
-    (high - low).max(0.0)
+    (high.powi(3) - low.powi(3)).max(0.0) / 3.0
 }
 
 impl LineGrid {
