@@ -12,6 +12,7 @@
 //! - `frame/told_dense/10k`, `frame/update_screen_dense/10k`, one thread: as `told` and `update_screen`, with one body in
 //!   10^3 m and a margin of 0 m;
 //! - `frame/told_crowd/10k`, `frame/update_screen_crowd/10k`, one thread: the same with one body in 3^3 m;
+//! - `frame/told_flat/10k`, `frame/update_screen_flat/10k`, one thread: the same on a plane, with one body in 5^2 m;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
 //! - `frame/told_seldom/10k`, one thread: as `told`, in every tenth frame, and twenty bodies in each of the others;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
@@ -144,6 +145,8 @@ fn main() {
     run.measure(("update_screen_dense", 10_000), 1, UpdateScreen::dense);
     run.measure(("told_crowd", 10_000), 1, Told::crowd);
     run.measure(("update_screen_crowd", 10_000), 1, UpdateScreen::crowd);
+    run.measure(("told_flat", 10_000), 1, Told::flat);
+    run.measure(("update_screen_flat", 10_000), 1, UpdateScreen::flat);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
     run.measure(("told_seldom", 10_000), 1, Told::seldom);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);

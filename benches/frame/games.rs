@@ -46,6 +46,11 @@ impl UpdateScreen {
         Self::of(World::with_spacing(bodies, 3.0), 0.0)
     }
 
+    /// Returns a game on a plane with one body in 5^2 m, in which contacts are looked for.
+    pub(crate) fn flat(bodies: u32) -> Self {
+        Self::of(World::flat(bodies, 5.0), 0.0)
+    }
+
     /// Returns a game whose margin (m) is known.
     fn of((world, scene): (World, Scene), margin: f64) -> Self {
         Self {
@@ -157,6 +162,11 @@ impl Told<World> {
     /// Returns a game with one body in 3^3 m, in which contacts are looked for.
     pub(crate) fn crowd(bodies: u32) -> Self {
         Self::of(World::with_spacing(bodies, 3.0), LOOKAHEAD, &[0.0])
+    }
+
+    /// Returns a game on a plane with one body in 5^2 m, in which contacts are looked for.
+    pub(crate) fn flat(bodies: u32) -> Self {
+        Self::of(World::flat(bodies, 5.0), LOOKAHEAD, &[0.0])
     }
 
     /// Returns a game whose bodies are told in every other frame.

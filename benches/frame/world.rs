@@ -37,6 +37,8 @@ pub(crate) struct World {
     rng: ChaCha8Rng,
     /// Half the side of the cube, m.
     half: f64,
+    /// 1 along the axes in which bodies move, else 0.
+    axes: DVec3,
     /// Velocity of the cube, m/s.
     common: DVec3,
     frame: u32,
@@ -46,38 +48,58 @@ pub(crate) struct World {
 impl World {
     /// Returns `count` bodies, and a scene in which they coast from time 0 on.
     pub(crate) fn new(count: u32) -> (Self, Scene) {
-        Self::of((count, SPACING), DVec3::ZERO, |_| false)
+        Self::of((count, SPACING), DVec3::ONE, DVec3::ZERO, |_| false)
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns bodies as those of [`new`](Self::new), of which every other one rests.
     pub(crate) fn half_at_rest(count: u32) -> (Self, Scene) {
-        Self::of((count, SPACING), DVec3::ZERO, |number| number % 2 > 0)
+        Self::of((count, SPACING), DVec3::ONE, DVec3::ZERO, |number| {
+            number % 2 > 0
+        })
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns bodies as those of [`new`](Self::new), one in 20^3 m, in a cube that moves.
     pub(crate) fn convoy(count: u32) -> (Self, Scene) {
-        Self::of((count, 20.0), DVec3::new(300.0, 100.0, 0.0), |_| false)
+        Self::of(
+            (count, 20.0),
+            DVec3::ONE,
+            DVec3::new(300.0, 100.0, 0.0),
+            |_| false,
+        )
     }
 
     #[allow(dead_code, reason = "the benchmark `frame` uses it")]
     /// Returns bodies as those of [`new`](Self::new), one in a cube of this side (m).
     pub(crate) fn with_spacing(count: u32, spacing: f64) -> (Self, Scene) {
-        Self::of((count, spacing), DVec3::ZERO, |_| false)
+        Self::of((count, spacing), DVec3::ONE, DVec3::ZERO, |_| false)
     }
 
-    fn of((count, spacing): (u32, f64), common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`new`](Self::new), but on a plane, one in a square of this side (m).
+    pub(crate) fn flat(count: u32, spacing: f64) -> (Self, Scene) {
+        let axes = DVec3::new(1.0, 1.0, 0.0);
+        Self::of((count, spacing), axes, DVec3::ZERO, |_| false)
+    }
+
+    fn of(
+        (count, spacing): (u32, f64),
+        axes: DVec3,
+        common: DVec3,
+        rests: fn(u32) -> bool,
+    ) -> (Self, Scene) {
         let mut rng = generator(1);
-        let half = 0.5 * spacing * f64::from(count).cbrt();
+        let half = 0.5 * spacing * f64::from(count).powf(1.0 / axes.element_sum());
         let mut scene = Scene::new();
         let mut insert = |state| {
             let body = Body::new(Trajectory::coasting(state)?).with_hitbox(Hitbox::sphere(RADIUS)?);
             scene.insert(body)
         };
         let states = (0..count).map(|number| {
-            let position = uniform_vector(&mut rng, half);
-            let velocity = uniform_vector(&mut rng, SPEED) * f64::from(u8::from(!rests(number)));
+            let position = axes * uniform_vector(&mut rng, half);
+            let velocity = axes * uniform_vector(&mut rng, SPEED);
+            let velocity = velocity * f64::from(u8::from(!rests(number)));
             let state = State::new(0.0, position, velocity + common);
             let inserted = insert(state);
             let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
@@ -87,6 +109,7 @@ impl World {
         let world = Self {
             rng,
             half,
+            axes,
             common,
             frame: 0,
             states,
@@ -126,7 +149,7 @@ impl MovingBodies for World {
             state.time = now;
             state.position += STEP * state.velocity;
             if state.velocity != self.common && self.rng.random_ratio(1, STEADY) {
-                let velocity = uniform_vector(&mut self.rng, SPEED);
+                let velocity = self.axes * uniform_vector(&mut self.rng, SPEED);
                 let place = state.position - now * self.common;
                 let inwards = -velocity.abs() * place.signum();
                 let is_outside = place.abs().cmpgt(DVec3::splat(self.half));
