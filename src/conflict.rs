@@ -138,7 +138,13 @@ impl Conflict {
     /// Returns the body that this one meets; `None` if the conflict is of two other bodies.
     #[must_use]
     pub fn other(&self, id: BodyId) -> Option<BodyId> {
-        other_of((self.a, self.b), id)
+        other_of(((self.a, self.a), (self.b, self.b)), id)
+    }
+
+    /// Returns the [tag](crate::Body::tag) of the body that this one meets; `None` if the conflict is of two other bodies.
+    #[must_use]
+    pub fn other_tag(&self, id: BodyId) -> Option<u64> {
+        other_of(((self.a, self.tag_a), (self.b, self.tag_b)), id)
     }
 
     /// Returns the time between enter and exit, s.
@@ -190,12 +196,12 @@ impl fmt::Display for Conflict {
     }
 }
 
-/// Returns the body of a pair that is not this one; `None` if this one is not of the pair.
-pub(crate) fn other_of((a, b): (BodyId, BodyId), id: BodyId) -> Option<BodyId> {
-    if id == a {
-        Some(b)
+/// Returns what is given of the body of a pair that is not this one; `None` if this one is not of the pair.
+pub(crate) fn other_of<T>((a, b): ((BodyId, T), (BodyId, T)), id: BodyId) -> Option<T> {
+    if id == a.0 {
+        Some(b.1)
     } else {
-        (id == b).then_some(a)
+        (id == b.0).then_some(a.1)
     }
 }
 

@@ -77,6 +77,14 @@ fn tags_in_what_is_reported() -> Result<(), Error> {
     )?;
     assert_eq!((asked[0].tag_a, asked[0].tag_b), (70, 80));
     assert_eq!(monitor.conflicts(0)?[0].tag_b, 80);
+    let encounter = *monitor.encounters().next().unwrap();
+    let stranger = BodyId::from_bits(ids[1].to_bits() + 1);
+    for (id, tag) in [(ids[0], Some(80)), (ids[1], Some(70)), (stranger, None)] {
+        assert_eq!(
+            (conflict.other_tag(id), encounter.other_tag(id)),
+            (tag, tag)
+        );
+    }
     monitor.remove(ids[1])?;
     monitor.advance(8.0, &mut events)?;
     let tags = |event: &Event| match event.kind {

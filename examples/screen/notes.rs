@@ -9,13 +9,20 @@ const OTHER_UNITS: f64 = 5.0;
 /// Returns a sentence for each thing that a user should know of a screening.
 pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<String> {
     let mut notes = Vec::new();
-    if let Some(factor) = distance_by_velocity(scene)
-        && !(1.0 / OTHER_UNITS..=OTHER_UNITS).contains(&factor)
-    {
-        notes.push(format!(
-            "from their first row to the second, bodies go {factor:.2e} times as far as their velocities say: check the \
-             units, m, s and m/s"
-        ));
+    match distance_by_velocity(scene) {
+        Some(f64::INFINITY) => notes.push(
+            "bodies go elsewhere from their first row to the second, but all velocities in these rows are 0: bodies stop in \
+             each row"
+                .to_owned(),
+        ),
+        Some(factor) if !(1.0 / OTHER_UNITS..=OTHER_UNITS).contains(&factor) => {
+            let factor = shortest(with_three_digits(factor));
+            notes.push(format!(
+                "from their first row to the second, bodies go {factor} times as far as their velocities say: check the \
+                 units, m, s and m/s"
+            ));
+        }
+        _ => {}
     }
     let (window, margin) = (screening.window, query.margin());
     if let Some(states) = states_elsewhere(scene, window) {
@@ -49,8 +56,13 @@ pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<Str
     notes
 }
 
+/// Returns a number rounded to three digits.
+fn with_three_digits(number: f64) -> f64 {
+    format!("{number:.2e}").parse().unwrap_or(number)
+}
+
 /// Returns how many times as far as their velocities say all bodies together go from their first state to the
-/// second; `None` if they go nowhere, or are told to stop.
+/// second, infinite if all velocities are 0; `None` if they go nowhere.
 fn distance_by_velocity(scene: &Scene) -> Option<f64> {
     let (mut gone, mut told) = (0.0, 0.0);
     for (_, body) in scene.bodies() {
@@ -64,8 +76,7 @@ fn distance_by_velocity(scene: &Scene) -> Option<f64> {
             told += speed * (second.time - first.time);
         }
     }
-    let factor = gone / told;
-    (factor > 0.0 && factor < f64::INFINITY).then_some(factor)
+    (gone > 0.0).then_some(gone / told)
 }
 
 /// Returns the time from the first to the last state if no body exists in a window.

@@ -82,7 +82,13 @@ impl Encounter {
     /// Returns the body that this one meets; `None` if the encounter is of two other bodies.
     #[must_use]
     pub fn other(&self, id: BodyId) -> Option<BodyId> {
-        other_of((self.a, self.b), id)
+        other_of(((self.a, self.a), (self.b, self.b)), id)
+    }
+
+    /// Returns the [tag](crate::Body::tag) of the body that this one meets; `None` if the encounter is of two other bodies.
+    #[must_use]
+    pub fn other_tag(&self, id: BodyId) -> Option<u64> {
+        other_of(((self.a, self.tag_a), (self.b, self.tag_b)), id)
     }
 
     /// Returns true if a monitor with so many levels can have it: for an encounter from a file.

@@ -119,15 +119,19 @@ fn files_that_are_probably_not_meant() {
     };
     for (rows, expected) in [
         (two(3.0, 1.0, 10.0), ""),
-        (two(3.0, 1.0, 0.0), ""),
+        (
+            two(3.0, 1.0, 0.0),
+            "note: bodies go elsewhere from their first row to the second, but all velocities in these rows are 0: \
+             bodies stop in each row\n",
+        ),
         (
             two(3000.0, 1.0, 10.0),
-            "note: from their first row to the second, bodies go 1.00e-3 times as far as their velocities say: check \
+            "note: from their first row to the second, bodies go 0.001 times as far as their velocities say: check \
              the units, m, s and m/s\n",
         ),
         (
             two(3.0, 1e-3, 10.0),
-            "note: from their first row to the second, bodies go 1.00e-3 times as far as their velocities say: check \
+            "note: from their first row to the second, bodies go 0.001 times as far as their velocities say: check \
              the units, m, s and m/s\n",
         ),
         (
