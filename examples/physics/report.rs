@@ -92,7 +92,10 @@ impl Report {
         ] {
             print_row(out, name, &median_and_most(times).map(shown))?;
         }
-        Ok(())
+        writeln!(
+            out,
+            "rapier looks at the contacts of one step, nearmiss at all encounters of the next {LOOKAHEAD} s"
+        )
     }
 
     fn print_counts(
