@@ -120,7 +120,7 @@ impl SolvedSpans {
             let solved_until = solve(&a, &b, span, &asked, part, |interval, solved| {
                 // A body that turns has as many parts as its turns: one pair alone may fill the memory.
                 if added <= room {
-                    self.has_whole_contacts |= !solved.is_for_any_window();
+                    self.has_whole_contacts |= !solved.may_be_cut_anywhere();
                     self.spans.add(key, interval, solved);
                 }
                 added += 1;
@@ -146,9 +146,14 @@ impl SolvedSpans {
     /// there.
     pub(super) fn is_incomplete(&self, pair: SlotPair, time: f64) -> bool {
         self.has_whole_contacts
-            && self.of(pair).any(|entry| {
-                contains(entry.interval, time) && !self.spans.at(entry.place).is_for_any_window()
-            })
+            && self
+                .of(pair)
+                .any(|entry| contains(entry.interval, time) && !self.may_be_cut(entry, time))
+    }
+
+    /// Returns true if a window may cut a contact at an instant (s) in what is solved of a span.
+    fn may_be_cut(&self, entry: &IndexEntry<SpanKey>, time: f64) -> bool {
+        self.spans.at(entry.place).may_be_cut(time, entry.interval)
     }
 
     /// Solves the spans of some pairs (sorted) that contain an instant (s) anew, for any window.
@@ -222,13 +227,16 @@ impl SolvedSpans {
         bodies: &BodyTable<'_>,
     ) -> Option<Approach> {
         let at = (time, time);
+        let kept = self.closest(pair, at, Clip::default());
         if !self.is_incomplete(pair, time) {
-            return self.closest(pair, at, Clip::default());
+            return kept;
         }
-        let entries = self.of(pair).filter(|entry| contains(entry.interval, time));
-        let mut keys: Vec<SpanKey> = entries.map(|entry| entry.key).collect();
+        let cut = self
+            .of(pair)
+            .filter(|entry| contains(entry.interval, time) && !self.may_be_cut(entry, time));
+        let mut keys: Vec<SpanKey> = cut.map(|entry| entry.key).collect();
         keys.dedup();
-        let mut approaches = Vec::new();
+        let mut approaches = Vec::from_iter(kept);
         for key in keys {
             solve_at(key, time, bodies, &self.margins, |_, solved| {
                 approaches.push(solved.closest(at, Clip::default()));

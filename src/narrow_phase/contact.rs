@@ -1,6 +1,6 @@
 //! Contacts and closest approach of one pair, over all its spans and all its spheres.
 
-use super::clusters::{ClusterPair, KeptQuestion, ProvenContact};
+use super::clusters::{ClusterPair, KeptQuestion, ProvenContact, SolvedCuts};
 use super::half_space::{self, may_touch_plane};
 use super::profile::DistanceProfile;
 use super::rejection::{certainly_beyond, segments_apart};
@@ -20,15 +20,20 @@ pub(crate) struct SolvedSpan {
     span: Span,
     pair: SpherePair,
     profile: DistanceProfile,
-    /// True if the pairs of spheres that are solved over the span, or over this part of it, suffice for windows that cut a
-    /// contact.
-    is_for_any_window: bool,
+    /// Instants at which windows may cut a contact, given all that is solved of the span, or of this part of it.
+    cuts: SolvedCuts,
 }
 
 impl SolvedSpan {
-    /// Returns true if all pairs of spheres are solved that are needed for windows that cut a contact.
-    pub(crate) const fn is_for_any_window(&self) -> bool {
-        self.is_for_any_window
+    /// Returns true if windows may cut contacts at any instant.
+    pub(crate) const fn may_be_cut_anywhere(&self) -> bool {
+        matches!(self.cuts, SolvedCuts::Any)
+    }
+
+    /// Returns true if all pairs of spheres are solved that are needed for a window that cuts a contact at an instant (s); the
+    /// span, or this part of it, is that interval (s).
+    pub(crate) fn may_be_cut(&self, time: f64, interval: (f64, f64)) -> bool {
+        self.cuts.has(time, interval)
     }
 
     /// Returns true if the distance is constant over the span.
@@ -117,7 +122,7 @@ pub(crate) fn solve(
     mut solved: impl FnMut((f64, f64), SolvedSpan),
 ) -> f64 {
     let margin = widened(asked.largest_margin(), a.model_error_with(b));
-    let mut solve = |pair: &SpherePair, span: Span, is_for_any_window: bool| {
+    let mut solve = |pair: &SpherePair, span: Span, cuts: SolvedCuts| {
         let radius = pair.radius(margin);
         if radius < 0.0 {
             return None;
@@ -132,13 +137,13 @@ pub(crate) fn solve(
             span,
             pair,
             profile,
-            is_for_any_window,
+            cuts,
         };
         solved(interval, span);
         Some(profile)
     };
     if let Some(pair) = lone_pair(a, b, span) {
-        solve(&pair, span, true);
+        solve(&pair, span, SolvedCuts::Any);
         return f64::INFINITY;
     }
     let clusters = ClusterPair::of(a, b, span, Accuracy::Exact);

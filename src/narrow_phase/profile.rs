@@ -125,6 +125,11 @@ impl DistanceProfile {
         }
     }
 
+    /// Returns the distances at the start and at the end of the span, m.
+    pub(super) fn at_ends(&self) -> [f64; 2] {
+        [self.nodes[0].distance, self.nodes[self.count - 1].distance]
+    }
+
     /// Returns true if the distance is constant over the span.
     pub(super) const fn is_plateau(&self) -> bool {
         self.plateau > 0.0

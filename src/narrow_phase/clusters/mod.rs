@@ -48,6 +48,7 @@ use proven::ProvenContacts;
 use search::{ClosestQuestion, ContactsQuestion};
 use sections::{Rotations, Section, Sections, each_near, nearest_first};
 pub(crate) use whole::KeptQuestion;
+pub(super) use whole::SolvedCuts;
 use whole::{MAX_MARGINS, WholeContactsQuestion};
 
 /// Two bodies over a span, of which at least one is a cluster or turns.
@@ -96,7 +97,7 @@ impl<'a> ClusterPair<'a> {
         &self,
         (asked, margin): (&KeptQuestion<'_>, f64),
         (window, after): ((f64, f64), f64),
-        mut solve: impl FnMut(&SpherePair, Span, bool) -> Option<DistanceProfile>,
+        mut solve: impl FnMut(&SpherePair, Span, SolvedCuts) -> Option<DistanceProfile>,
     ) -> f64 {
         if window.1 < self.span.start {
             // A span may last for ever: its parts are not gone through before the interval comes there.
@@ -109,7 +110,7 @@ impl<'a> ClusterPair<'a> {
         if let Some(over_plane) = self.over_plane() {
             over_plane.each_near(margin, parts, after, |pair, part| {
                 if part.start <= window.1 {
-                    solve(pair, part, true);
+                    solve(pair, part, SolvedCuts::Any);
                 }
             });
         } else {
@@ -120,16 +121,16 @@ impl<'a> ClusterPair<'a> {
                 if span.start > window.1 {
                     return;
                 }
-                let may_be_cut = |cuts: &[f64]| self.may_be_cut(cuts, margin, span);
-                let is_for_any_window = !has_many || asked.cuts.is_none_or(may_be_cut);
-                let solve = |pair: &SpherePair| solve(pair, span, is_for_any_window);
-                if is_for_any_window {
-                    part.search(&mut NearestQuestion::new(margin, solve), scratch);
-                } else {
+                let cuts = asked.cuts.filter(|_| has_many);
+                let cuts = cuts.map_or(SolvedCuts::Any, |cuts| self.cuts_in(cuts, margin, span));
+                let solve = |pair: &SpherePair| solve(pair, span, cuts);
+                if let SolvedCuts::AtEnds(ends) = cuts {
                     let margins = asked.margins.iter();
                     let margins = margins.map(|&margin| widened(margin, model_error));
-                    let mut question = WholeContactsQuestion::new(span, margins, solve);
+                    let mut question = WholeContactsQuestion::new((span, ends), margins, solve);
                     part.search(&mut question, scratch);
+                } else {
+                    part.search(&mut NearestQuestion::new(margin, solve), scratch);
                 }
             });
         }
@@ -140,18 +141,21 @@ impl<'a> ClusterPair<'a> {
         }
     }
 
-    /// Returns true if the bodies may be within a margin (m) in a part of the span at one of these instants (s).
-    fn may_be_cut(&self, cuts: &[f64], margin: f64, part: Span) -> bool {
-        let is_in_part = |time: &&f64| part.start <= **time && **time <= part.end;
-        let mut cuts = cuts.iter().filter(is_in_part).peekable();
-        if cuts.peek().is_none() {
-            return false;
+    /// Returns which of these instants (s) may cut a contact within a margin (m) in a part of the span: those at its ends, or any
+    /// if the bodies may be within the margin at another one.
+    fn cuts_in(&self, cuts: &[f64], margin: f64, part: Span) -> SolvedCuts {
+        let is_within = |time: &&f64| part.start < **time && **time < part.end;
+        let mut within = cuts.iter().filter(is_within).peekable();
+        if within.peek().is_some()
+            && let Some(threshold) = self.threshold(margin, self.scale(part))
+        {
+            let cubic = self.cubic();
+            if within.any(|&time| cubic.distance(cubic.parameter(time)) <= threshold) {
+                return SolvedCuts::Any;
+            }
         }
-        let Some(threshold) = self.threshold(margin, self.scale(part)) else {
-            return false;
-        };
-        let cubic = self.cubic();
-        cuts.any(|&time| cubic.distance(cubic.parameter(time)) <= threshold)
+        let is_cut = |end: f64| cuts.iter().any(|cut| cut.total_cmp(&end).is_eq());
+        SolvedCuts::AtEnds([part.start, part.end].map(is_cut))
     }
 
     /// Solves the pairs of spheres that may come nearer in `window` than `reached` (m); `solve` gets

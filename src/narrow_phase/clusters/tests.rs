@@ -205,6 +205,9 @@ impl Case {
         let margins = [self.margin, larger];
         let mut count = 0;
         let all = (f64::MIN, f64::MAX);
+        // Also at knots: there nothing else is solved than for whole contacts, and the nearest pairs.
+        let at_knot = |span: Span| [(all.0, span.end), (span.end, span.end), (span.start, all.1)];
+        let windows = windows.chain(self.spans().into_iter().flat_map(at_knot));
         for (window, is_whole) in windows.map(|cut| (cut, false)).chain([(all, true)]) {
             let cuts: &[f64] = if is_whole { &[] } else { &[window.0, window.1] };
             let kept = self.kept(&margins, Some(cuts));

@@ -1,11 +1,12 @@
 //! Question for the pairs of spheres that matter to contacts as a whole, at some margins.
 //!
-//! What they show are the contacts at each of these margins, and the closest approach in each. They do not show what a
-//! window leaves of a contact that it cuts: the [nearest](super::nearest) pairs do.
+//! What they show are the contacts at each of these margins, and the closest approach in each. If a window cuts a contact at an
+//! end of the part, they show that at this instant, too: bodies that are told a state have a cubic from then on. They do
+//! not show what a window leaves of a contact that it cuts elsewhere: the [nearest](super::nearest) pairs do.
 
 use super::proven::{BoundStep, BoundSteps, MOST_STEPS, ProvenContact, ProvenContacts};
 use super::search::Question;
-use super::shares::Shares;
+use super::shares::{Shares, WHOLE};
 use crate::narrow_phase::profile::DistanceProfile;
 use crate::narrow_phase::sphere_pair::SpherePair;
 use crate::spans::Span;
@@ -14,7 +15,13 @@ use arrayvec::ArrayVec;
 /// Largest number of margins. With more, all pairs that are the nearest ones at some time are solved.
 pub(super) const MAX_MARGINS: usize = 4;
 
-const _: () = assert!(MAX_MARGINS * ProvenContacts::MAX_STEPS <= MOST_STEPS);
+/// Steps for either end of the part.
+const END_STEPS: usize = 2;
+
+const _: () = assert!(MAX_MARGINS * ProvenContacts::MAX_STEPS + END_STEPS <= MOST_STEPS);
+
+/// Share of an interval that is an instant.
+const INSTANT: f64 = 1e-12;
 
 const ALL_TIMES: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
@@ -33,26 +40,60 @@ impl KeptQuestion<'_> {
     }
 }
 
+/// Instants at which windows may cut a contact in what is solved of a span.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::narrow_phase) enum SolvedCuts {
+    /// All.
+    Any,
+    /// Its start, its end, both or none.
+    AtEnds([bool; 2]),
+}
+
+impl SolvedCuts {
+    /// Returns true if a window may cut a contact at an instant (s) in what is solved, an interval (s).
+    pub(in crate::narrow_phase) fn has(self, time: f64, (start, end): (f64, f64)) -> bool {
+        match self {
+            Self::Any => true,
+            Self::AtEnds([at_start, at_end]) => {
+                let is_within = start < time && time < end;
+                !is_within
+                    && (at_start || time.total_cmp(&start).is_ne())
+                    && (at_end || time.total_cmp(&end).is_ne())
+            }
+        }
+    }
+}
+
 /// Asks for the pairs that begin or end a contact at some margin, or are the nearest ones in it; `solve` returns the
 /// profile of a pair's distance if that comes within the largest margin.
 pub(super) struct WholeContactsQuestion<F> {
     /// What is proven so far at each margin.
     proven: ArrayVec<ProvenContacts, MAX_MARGINS>,
     margins: ArrayVec<f64, MAX_MARGINS>,
+    /// Separations that a pair must reach at the start and at the end of the part to matter there, m; below all numbers if
+    /// no window cuts there.
+    at_ends: [f64; 2],
+    stretch: Shares,
     found: Vec<ProvenContact>,
     solve: F,
 }
 
 impl<F> WholeContactsQuestion<F> {
-    /// Returns the question about a part of a span, at no more than [`MAX_MARGINS`] margins (m).
-    pub(super) fn new(part: Span, margins: impl Iterator<Item = f64>, solve: F) -> Self {
+    /// Returns the question about a part of a span, at no more than [`MAX_MARGINS`] margins (m); `cuts` says at which ends
+    /// windows cut contacts.
+    pub(super) fn new(
+        (part, cuts): (Span, [bool; 2]),
+        margins: impl Iterator<Item = f64>,
+        solve: F,
+    ) -> Self {
         let margins: ArrayVec<f64, MAX_MARGINS> = margins.collect();
-        let proven = margins.iter();
+        let proven = |&margin: &f64| ProvenContacts::new(part, (margin, ALL_TIMES));
+        let largest = margins.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         Self {
-            proven: proven
-                .map(|&margin| ProvenContacts::new(part, (margin, ALL_TIMES)))
-                .collect(),
+            proven: margins.iter().map(proven).collect(),
             margins,
+            at_ends: cuts.map(|is_cut| if is_cut { largest } else { f64::NEG_INFINITY }),
+            stretch: WHOLE,
             found: Vec::new(),
             solve,
         }
@@ -61,6 +102,7 @@ impl<F> WholeContactsQuestion<F> {
 
 impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for WholeContactsQuestion<F> {
     fn restrict(&mut self, stretch: Shares, _: i32) {
+        self.stretch = stretch;
         for proven in &mut self.proven {
             proven.restrict(stretch);
         }
@@ -76,6 +118,17 @@ impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for WholeContact
                 *steps = larger(steps, &others);
             }
         }
+        let step = |end: f64, bound: f64| BoundStep { end, bound };
+        let [at_start, at_end] = self.at_ends;
+        let none = f64::NEG_INFINITY;
+        if interval.0 <= 0.0 && self.stretch.0 <= 0.0 {
+            let first = [step(INSTANT, at_start), step(1.0, none)];
+            *steps = larger(steps, &first);
+        }
+        if interval.1 >= 1.0 && self.stretch.1 >= 1.0 {
+            let last = [step(1.0 - INSTANT, none), step(1.0, at_end)];
+            *steps = larger(steps, &last);
+        }
     }
 
     fn solve(&mut self, pair: &SpherePair, slack: Option<f64>) {
@@ -84,6 +137,9 @@ impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for WholeContact
             return;
         };
         let radii = pair.radius_a + pair.radius_b;
+        for (known, distance) in self.at_ends.iter_mut().zip(profile.at_ends()) {
+            *known = known.min(distance - radii + slack);
+        }
         for (proven, &margin) in self.proven.iter_mut().zip(&self.margins) {
             let radius = pair.radius(margin);
             if radius < 0.0 {
@@ -103,7 +159,7 @@ impl<F: FnMut(&SpherePair) -> Option<DistanceProfile>> Question for WholeContact
 }
 
 /// Returns the steps of one interval with the larger bound of both.
-fn larger(some: &BoundSteps, others: &BoundSteps) -> BoundSteps {
+fn larger(some: &[BoundStep], others: &[BoundStep]) -> BoundSteps {
     let mut larger = BoundSteps::new();
     let (mut some, mut others) = (some.iter().peekable(), others.iter().peekable());
     while let (Some(&&one), Some(&&other)) = (some.peek(), others.peek()) {
