@@ -5,7 +5,6 @@ use crate::count::{as_f64, whole};
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::query::Query;
 use crate::scene::Scene;
-use crate::search::mean_spacing;
 use crate::shape::BodyShape;
 use crate::window::Window;
 use glam::DVec3;
@@ -86,6 +85,8 @@ impl SceneEstimate {
         (from, lookahead): (f64, f64),
         velocity: DVec3,
     ) -> Self {
+        /// Height of a flat world, as a share of its longest side.
+        const FLAT: f64 = 1e-3;
         let mut speeds = [0.0; Scene::SAMPLE];
         let mut positions = [DVec3::ZERO; Scene::SAMPLE];
         let mut count = 0;
@@ -109,11 +110,12 @@ impl SceneEstimate {
         let bodies = as_f64(scene.len().max(1));
         let presence = (scene.mean_present((from, from + lookahead)) / bodies).min(1.0);
         if count > 1 {
-            let reach = margin.max(f64::MIN_POSITIVE);
             middle = DAabb::of_middle_half(&mut positions[..count]);
-            let extents = (middle.high - middle.low).to_array();
-            let sides = extents.map(|extent| (2.0 * extent).max(reach));
-            let spacing = mean_spacing(sides, bodies).max(reach);
+            let sides = 2.0 * (middle.high - middle.low);
+            let reach = margin.max(f64::MIN_POSITIVE);
+            let least = reach.max(FLAT * sides.max_element());
+            let sides = sides.max(DVec3::splat(least)).to_array().map(f64::cbrt);
+            let spacing = (sides.iter().product::<f64>() / bodies.cbrt()).max(reach);
             slices = 2.0 * lookahead * telling_speed(&mut speeds[..count]) / spacing;
         }
         Self {

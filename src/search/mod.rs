@@ -36,6 +36,6 @@ pub(crate) use pace::Pace;
 pub(crate) use refine::{CandidateRefiner, RefineContext};
 pub(crate) use scratch::{SearchScratch, recycled};
 pub(crate) use slice_length::SliceTrials;
-pub(crate) use slices::{SceneStatistics, TimeSlices, mean_spacing};
+pub(crate) use slices::{SceneStatistics, TimeSlices};
 pub(crate) use sort::SpanSorter;
 pub(crate) use window::{FEW_BOXES, WindowSearch};

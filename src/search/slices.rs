@@ -83,7 +83,7 @@ impl SceneStatistics {
 
 /// Returns the mean spacing of so many bodies in a world with these sides, m. A side shorter than that does not count: bodies
 /// on a plane, or in a thin layer, have no third dimension to be apart in.
-pub(crate) fn mean_spacing(mut sides: [f64; 3], count: f64) -> f64 {
+fn mean_spacing(mut sides: [f64; 3], count: f64) -> f64 {
     sides.sort_unstable_by(f64::total_cmp);
     let [shortest, middle, longest] = sides;
     let in_space = (shortest.cbrt() * middle.cbrt()) * (longest.cbrt() / count.cbrt());
