@@ -125,8 +125,8 @@ use told_motions::ToldMotions;
 /// and a tenth of one at each level for each of its spans in the lookahead. (A span is a cubic of one body with a
 /// cubic of the other. Two clusters have as many as pairs of spheres are solved.) Of bodies that rest without turning, it
 /// costs a twentieth of that. If one of its bodies changes, it is solved again: some four microseconds in a tick for two
-/// balls, and as much as a screening of the pair for two clusters. Once the clock, or the end of the lookahead, cuts the
-/// contact of two clusters, it takes two to four times a screening. Where most
+/// balls, and as much as a screening of the pair for two clusters. Where the clock, or the end of the lookahead, cuts a
+/// cubic in which two clusters are near, that takes two to eight times a screening, once. Where most
 /// bodies are within the margin of many others all the time, screening anew may be cheaper.
 ///
 /// The lookahead is cut into up to 2,048 slices that suit the scene. Ticks without a budget check now
