@@ -1,5 +1,6 @@
 //! The error of all invalid inputs.
 
+mod change_time;
 mod crowd;
 mod in_body;
 mod quantity;
@@ -7,6 +8,7 @@ mod quantity;
 use crate::id::{BodyId, NamedBody};
 use std::fmt;
 
+pub(crate) use change_time::check_change_time;
 pub use crowd::Crowd;
 pub use quantity::Quantity;
 
@@ -18,8 +20,7 @@ pub const MAX_MAGNITUDE: f64 = 1e300;
 /// The reason for which an input was refused. The call that returned it changed nothing, except
 /// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
 ///
-/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and, where these do not show it, what to
-/// do.
+/// `Display` and `Debug` write the same sentence: what is wrong, with its values, and what to do if that is not plain.
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -495,18 +496,5 @@ pub enum Error {
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
-    }
-}
-
-/// Checks the instant at which a plan or an orientation is to change, s.
-///
-/// # Errors
-///
-/// [`Error::ChangeTime`].
-pub(crate) fn check_change_time(from: f64) -> Result<(), Error> {
-    if from.abs() <= MAX_MAGNITUDE {
-        Ok(())
-    } else {
-        Err(Error::ChangeTime { time: from })
     }
 }

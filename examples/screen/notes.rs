@@ -10,7 +10,7 @@ const OTHER_UNITS: f64 = 5.0;
 pub(crate) fn of(scene: &Scene, query: &Query, screening: &Screening) -> Vec<String> {
     let mut notes = Vec::new();
     match distance_by_velocity(scene) {
-        Some(f64::INFINITY) => notes.push(
+        Some(factor) if factor > f64::MAX => notes.push(
             "bodies go elsewhere from their first row to the second, but all velocities in these rows are 0: bodies stop in \
              each row"
                 .to_owned(),
@@ -76,7 +76,14 @@ fn distance_by_velocity(scene: &Scene) -> Option<f64> {
             told += speed * (second.time - first.time);
         }
     }
-    (gone > 0.0).then_some(gone / told)
+    // Sums that overflow tell nothing.
+    (gone > 0.0 && gone < f64::INFINITY && told < f64::INFINITY).then(|| {
+        if told > 0.0 {
+            (gone / told).min(f64::MAX)
+        } else {
+            f64::INFINITY
+        }
+    })
 }
 
 /// Returns the time from the first to the last state if no body exists in a window.

@@ -355,7 +355,7 @@ fn clock(
 ) -> Option<TrackedEncounter> {
     if !tracked.begun && tracked.encounter.enter <= tick.reported {
         tracked.begun = true;
-        tracked.sent.forget_unknown(&tracked.encounter);
+        tracked.sent.know_no_more_than(&tracked.encounter);
         events.push(Event {
             time: tracked.encounter.enter,
             kind: EventKind::Began(tracked.encounter),

@@ -273,6 +273,7 @@ impl LookaheadSearch {
             self.sorter
                 .sort_and_dedup(&mut self.survivors, self.monitored.len());
             let most = self.max_spans;
+            // A budget, or a jump, may stop elsewhere: then more is solved of what it cuts.
             let cuts = [from, lookahead.0, to];
             let mut window = (from, self.plans_needed_until(to));
             if self.jump.is_some() {

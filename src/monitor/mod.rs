@@ -123,10 +123,10 @@ use told_motions::ToldMotions;
 /// A tick works on changed plans, on the time that comes into the lookahead, and on encounters that an
 /// edge of the lookahead, or the clock, cuts off. An encounter under way costs about a microsecond a tick,
 /// and a tenth of one at each level for each of its spans in the lookahead. (A span is a cubic of one body with a
-/// cubic of the other. Two clusters have as many as pairs of spheres are solved.) Of bodies that rest without turning, it
+/// cubic of the other. Two clusters have one for each pair of spheres that is solved.) Of bodies that rest without turning, it
 /// costs a twentieth of that. If one of its bodies changes, it is solved again: some four microseconds in a tick for two
-/// balls, and as much as a screening of the pair for two clusters. Where the clock, or the end of the lookahead, cuts a
-/// cubic in which two clusters are near, that takes two to eight times a screening, once. Where most
+/// balls, and as much as a screening of the pair for two clusters. The tick in which the clock, or the end of the
+/// lookahead, first cuts the contact of two clusters takes two to eight times a screening of the pair. Where most
 /// bodies are within the margin of many others all the time, screening anew may be cheaper.
 ///
 /// The lookahead is cut into up to 2,048 slices that suit the scene. Ticks without a budget check now
@@ -346,7 +346,8 @@ impl Monitor {
 
     /// Sets the limit of spans that may hold an encounter; [`MAX_SPANS`](Self::MAX_SPANS) by default. A span
     /// counts if its bodies come within the largest release margin in the lookahead: a common interval of a
-    /// cubic of one body with a cubic of another. Two clusters count once for each pair of spheres that is solved. Spans in
+    /// cubic of one body with a cubic of another. Two clusters count once for each pair of spheres that is solved:
+    /// more are once the clock, or the end of the lookahead, cuts their contact. Spans in
     /// the time that the clock passes over in the tick count as well. Each slice of time has room for eight times
     /// as many spans that cheap tests cannot rule out, and for as many pairs whose boxes meet as the limit says,
     /// but at least 2^22. If all bodies are in one place, all pairs count: a tick then ends with

@@ -25,6 +25,8 @@ pub(super) struct LevelCaches {
     pub(super) planned: Vec<EncounterCache>,
     /// Memory of two threads, or of one: contacts within the margin, and within the release margin.
     pub(super) scratch: [Vec<Contact>; 2],
+    /// Pairs whose contacts last at some instant.
+    pub(super) lasting: Vec<SlotPair>,
 }
 
 /// The search that is read, and its scene.
@@ -41,6 +43,7 @@ impl LevelCaches {
             conflicts: (0..count).map(|_| ConflictCache::default()).collect(),
             planned: (0..count).map(|_| EncounterCache::default()).collect(),
             scratch: Default::default(),
+            lasting: Vec::new(),
         }
     }
 

@@ -5,7 +5,7 @@ use super::tick_context::TickContext;
 use crate::narrow_phase::Approach;
 
 /// The numbers of an encounter that its first event or its last revision gave: the next revision is measured from
-/// them. (`Began` gives numbers as well, but counts only where it [knows less](Self::forget_unknown): a change that is kept
+/// them. (`Began` gives numbers as well, but counts only where it [knows less](Self::know_no_more_than): a change that is kept
 /// back before it is not lost.)
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -30,24 +30,14 @@ impl SentNumbers {
         }
     }
 
-    /// Forgets an exit, or a nearest point, that an encounter does not know any more as it begins: it is reported once it is
+    /// Takes over what an encounter does not know any more as it begins, an exit or a nearest point: it is reported once it is
     /// known again.
-    pub(super) fn forget_unknown(&mut self, begun: &Encounter) {
+    pub(super) fn know_no_more_than(&mut self, begun: &Encounter) {
         let begun = Self::of(begun);
         self.open |= begun.open;
         if !begun.knows_closest() {
-            let Self {
-                exit,
-                closest_time,
-                separation,
-                ..
-            } = begun;
-            *self = Self {
-                exit,
-                closest_time,
-                separation,
-                ..*self
-            };
+            (self.exit, self.closest_time) = (begun.exit, begun.closest_time);
+            self.separation = begun.separation;
         }
     }
 
@@ -105,11 +95,11 @@ fn closest_differs(encounter: &Encounter, sent: &SentNumbers, tick: &TickContext
     let is_still_closest = || {
         let slots = (encounter.a.slot, encounter.b.slot);
         let time = sent.closest_time;
-        let there = tick.solved.closest_at(slots, time, &tick.bodies);
         let nearest = new.separation + threshold.separation;
         // A constant distance is reported at its first instant, whatever the rounding.
         let is_near = |there: Approach| there.plateau == 0.0 && there.separation <= nearest;
-        threshold.separation > 0.0 && (time <= tick.before || there.is_some_and(is_near))
+        let there = || tick.solved.closest_at(slots, time, &tick.bodies);
+        threshold.separation > 0.0 && (time <= tick.before || there().is_some_and(is_near))
     };
     let is_moved = (new.closest_time - sent.closest_time).abs() > threshold.time;
     (new.separation - sent.separation).abs() > threshold.separation

@@ -26,7 +26,7 @@ pub(super) struct SolvedSpans {
     spans: SortedSlab<SpanKey, SolvedSpan>,
     /// Margins at which contacts are read, m, ascending.
     margins: Vec<f64>,
-    /// True if spans were added that are solved for whole contacts alone.
+    /// True if spans may be kept that are solved for whole contacts alone.
     has_whole_contacts: bool,
     /// Pairs to which spans were added, or with a body of which all was forgotten, since they were
     /// read. (Not those of which something has passed: that changes nothing
@@ -77,12 +77,14 @@ impl SolvedSpans {
     /// Forgets spans that end before `from` (s).
     pub(super) fn forget_before(&mut self, from: f64) {
         self.spans.retain(|entry, _| entry.interval.1 >= from);
+        self.has_whole_contacts &= self.len() > 0;
         self.partly_solved.retain(|_, until| *until >= from);
     }
 
     /// Solves the survivors (sorted, each once) that are not there yet, and keeps those that come
     /// within the largest margin; returns how many were solved. Those of turning bodies are solved in a window from one
-    /// instant to another (s). Contacts that last at one of the `cuts` (s) are solved for any window.
+    /// instant to another (s). The `cuts` (s) are instants at which windows will probably cut contacts: what lasts then is solved
+    /// for any window at once.
     ///
     /// # Errors
     ///
@@ -157,7 +159,16 @@ impl SolvedSpans {
     }
 
     /// Solves the spans of some pairs (sorted) that contain an instant (s) anew, for any window.
-    pub(super) fn complete(&mut self, pairs: &[SlotPair], time: f64, bodies: &BodyTable<'_>) {
+    ///
+    /// # Errors
+    ///
+    /// If there are more than `most` in all then.
+    pub(super) fn complete(
+        &mut self,
+        pairs: &[SlotPair],
+        (time, most): (f64, usize),
+        bodies: &BodyTable<'_>,
+    ) -> Result<(), LimitExceeded> {
         let mut keys = Vec::new();
         self.spans.retain(|entry, _| {
             let pair = pair_of(&entry.key);
@@ -174,6 +185,18 @@ impl SolvedSpans {
             self.changed_pairs.push(pair_of(&key));
         }
         self.spans.merge_added();
+        if self.len() > most {
+            return Err(LimitExceeded);
+        }
+        Ok(())
+    }
+
+    /// Keeps those changed pairs that have a [plateau](Self::has_plateau); returns true if there are any.
+    pub(super) fn keep_changed_plateaus(&mut self) -> bool {
+        let mut changed = std::mem::take(&mut self.changed_pairs);
+        changed.retain(|pair| self.has_plateau(*pair));
+        self.changed_pairs = changed;
+        !self.changed_pairs.is_empty()
     }
 
     /// Sorts the pairs that have changed, each once.
@@ -347,7 +370,9 @@ mod tests {
                 let was_incomplete = solved.is_incomplete(pair, time);
                 let kept = solved.closest(pair, (time, time), Clip::default());
                 let found = solved.closest_at(pair, time, &bodies);
-                solved.complete(&[pair], time, &bodies);
+                solved
+                    .complete(&[pair], (time, usize::MAX), &bodies)
+                    .unwrap();
                 assert!(!solved.is_incomplete(pair, time));
                 let expected = solved.closest(pair, (time, time), Clip::default());
                 assert_eq!(found, expected, "{seed} {time}");

@@ -14,12 +14,12 @@ use super::read::{LevelCaches, ReadContext};
 use super::reading::WindowEdges;
 #[cfg(feature = "recording")]
 use super::recording::Record;
-use super::solved_spans::SlotPair;
 use super::tick_context::TickContext;
 use crate::error::Error;
 use crate::parallel;
 use crate::rounding::without_negative_zero;
 use crate::scene::{PairAdmission, Scene};
+use crate::search::LimitExceeded;
 use crate::stats::Stats;
 use crate::wall_clock::Instant;
 use crate::window::Window;
@@ -30,8 +30,8 @@ impl Monitor {
     /// these, and on the turns of turning bodies while they are near others; hardly on its length.
     ///
     /// In steady state a tick on one thread allocates nothing: it uses the memory of earlier ones, which holds as much as was
-    /// ever needed. Exception: a slice of the lookahead in which more pairs of boxes meet than 1,024 and four
-    /// times the number of bodies. It gives their memory back each time.
+    /// ever needed. Exceptions: a slice of the lookahead in which more pairs of boxes meet than 1,024 and four
+    /// times the number of bodies gives their memory back each time; so do pairs of clusters that are solved.
     ///
     /// # Errors
     ///
@@ -147,6 +147,13 @@ impl Monitor {
         let TickWork {
             mut stats, meter, ..
         } = work;
+        let begin_reading = Instant::now();
+        let known = known.and_then(|known| {
+            self.read_changed_pairs();
+            self.complete_cut_contacts((now, known))?;
+            Ok(known)
+        });
+        stats.narrow_time += begin_reading.elapsed();
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.forget_search()?;
@@ -155,7 +162,6 @@ impl Monitor {
         };
         // Nothing below can fail.
         self.end_of_removed(self.reported);
-        self.read_changed_pairs();
         let mut next_id = self.next_id;
         let first = events.len();
         self.read((now, known), &mut next_id, events);
@@ -255,27 +261,42 @@ impl Monitor {
         self.search.solved.changed_pairs.clear();
     }
 
-    /// Solves the spans anew in which the windows of this tick cut a contact, if they are solved for whole contacts alone.
-    fn complete_cut_contacts(&mut self, (now, known): (f64, f64)) {
-        for time in [self.reported, now.min(known), now, known] {
-            let (readings, search) = (&self.readings, &mut self.search);
-            let conflicts = readings.conflicts.iter();
-            let conflicts = conflicts.flat_map(|level| level.lasting_at(time));
-            let planned = readings.planned.iter();
-            let planned = planned.flat_map(|level| level.lasting_at(time));
-            let is_incomplete = |pair: &SlotPair| search.solved.is_incomplete(*pair, time);
-            let mut pairs: Vec<SlotPair> = conflicts.chain(planned).filter(is_incomplete).collect();
-            if !pairs.is_empty() {
-                pairs.sort_unstable();
-                pairs.dedup();
+    /// Solves those spans for any window in which the windows of this tick cut a contact, if more is to be solved of them for
+    /// that.
+    ///
+    /// # Errors
+    ///
+    /// If there is too little room.
+    fn complete_cut_contacts(&mut self, (now, known): (f64, f64)) -> Result<(), LimitExceeded> {
+        if !self.search.solved.has_whole_contacts() {
+            return Ok(());
+        }
+        let most = self.search.max_spans;
+        for time in [self.reported, now.min(known), known] {
+            let LevelCaches {
+                conflicts,
+                planned,
+                lasting,
+                ..
+            } = &mut self.readings;
+            lasting.clear();
+            lasting.extend(planned.iter().flat_map(|level| level.lasting_at(time)));
+            // Where both margins are nearly the same, a conflict may lie beside each planned encounter by rounding.
+            lasting.extend(conflicts.iter().flat_map(|level| level.lasting_at(time)));
+            lasting.sort_unstable();
+            lasting.dedup();
+            let search = &mut self.search;
+            lasting.retain(|pair| search.solved.is_incomplete(*pair, time));
+            if !lasting.is_empty() {
                 let bodies = BodyTable::of(&self.scene, &search.monitored, &search.grid);
-                search.solved.complete(&pairs, time, &bodies);
+                search.solved.complete(lasting, (time, most), &bodies)?;
             }
         }
-        if !self.search.solved.changed_pairs.is_empty() {
+        if self.search.solved.keep_changed_plateaus() {
             // Windows cut a contact in another way where a distance is constant in some span.
             self.read_changed_pairs();
         }
+        Ok(())
     }
 
     /// Reads the conflicts from now to the end of the known time (s), and the planned encounters from the last
@@ -288,9 +309,6 @@ impl Monitor {
     ) {
         /// Spans of pairs that are sooner read than another thread wakes up.
         const FEW: usize = 1024;
-        if self.search.solved.has_whole_contacts() {
-            self.complete_cut_contacts((now, known));
-        }
         let context = ReadContext {
             search: &self.search,
             scene: &self.scene,

@@ -40,7 +40,7 @@ impl Monitor {
     ///   ignored pairs.
     /// - A plan that began before now is followed from now on, as a [late](Self::replan) one. For a plan that
     ///   begins later, ask about the body's trajectory [spliced](crate::Trajectory::spliced) with it. (One that
-    ///   [coasts](crate::Outside::Coast) is followed back from its first knot to now, which is another question.)
+    ///   [coasts](crate::Outside::Coast) is followed back from its first knot to now: the answer is for another motion.)
     /// - A body that does not exist now is taken to get the plan as a whole, as by
     ///   [`set_trajectory`](Self::set_trajectory). Then the plan may begin later.
     /// - Without an orientation in the plan, the body turns as it does.

@@ -100,7 +100,7 @@ fn mean_spacing(mut sides: [f64; 3], count: f64) -> f64 {
 
 impl<'p> TimeSlices<'p> {
     /// Length of boxes in mean spacings of the bodies. With longer boxes, candidates grow with the
-    /// cube of their size; with shorter ones, the boxes themselves dominate.
+    /// cube of their size (on a plane the square); with shorter ones, the boxes themselves dominate.
     const SPACINGS_PER_SLICE: f64 = 0.5;
     /// Largest number of segments in a body's box.
     const MAX_SEGMENTS_PER_SLICE: f64 = 32.0;

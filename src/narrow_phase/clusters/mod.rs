@@ -8,8 +8,8 @@
 //! - A screening solves those first that are probably the nearest ones. What these prove tells how near another
 //!   pair must come, and when, to matter (`search`).
 //! - A monitor keeps what it solves. Of contacts as a whole, at each of its margins, it needs the same pairs (`whole`). For
-//!   windows that cut a contact it needs all pairs that are the nearest ones at some time (`nearest`); so it does of few pairs,
-//!   which are compared sooner than solved.
+//!   windows that cut a contact it needs all pairs that are the nearest ones at some time (`nearest`). Few pairs are compared
+//!   sooner than solved: of these it solves all that are the nearest ones at once.
 //!
 //! Each test excludes a pair only if that is certain, by more than the solver's rounding. So the reported values have the
 //! same bits as if every pair was solved.
@@ -62,7 +62,7 @@ pub(super) struct ClusterPair<'a> {
 }
 
 impl<'a> ClusterPair<'a> {
-    /// Largest number of pairs of spheres of which all that are the nearest ones at some time are solved at once.
+    /// With no more pairs of spheres, all that are the nearest ones at some time are solved at once.
     const FEW: usize = if cfg!(test) { 4 } else { 512 };
 
     pub(super) fn of(
@@ -115,13 +115,13 @@ impl<'a> ClusterPair<'a> {
             });
         } else {
             let model_error = self.a.model_error_with(self.b);
-            let has_many = self.a.spheres.len() * self.b.spheres.len() > Self::FEW
+            let may_be_whole = self.a.spheres.len() * self.b.spheres.len() > Self::FEW
                 && asked.margins.len() <= MAX_MARGINS;
             self.each_part_near(margin, (parts, after), |part, span, scratch| {
                 if span.start > window.1 {
                     return;
                 }
-                let cuts = asked.cuts.filter(|_| has_many);
+                let cuts = asked.cuts.filter(|_| may_be_whole);
                 let cuts = cuts.map_or(SolvedCuts::Any, |cuts| self.cuts_in(cuts, margin, span));
                 let solve = |pair: &SpherePair| solve(pair, span, cuts);
                 if let SolvedCuts::AtEnds(ends) = cuts {
