@@ -59,12 +59,12 @@ type Failure = Box<dyn StdError + Send + Sync>;
 #[command(name = "game_loop")]
 pub(crate) struct Arguments {
     /// Run without a window, as fast as it goes, and print one line of JSON. The bodies are not those of the
-    /// window unless --ships is given: spheres of 1 m, farther apart. In the line, lost counts overlaps and ends that the
-    /// monitor should have told and did not, and lag_s is the longest part of the lookahead that was not examined.
+    /// window unless --ships is given: spheres of 1 m, farther apart. In the line, `lost` counts overlaps and ends that the
+    /// monitor should have told and did not, and `lag_s` is the longest part of the lookahead that was not examined.
     #[arg(long)]
     headless: bool,
-    /// With --headless: the window's ships, drones and asteroids, over a floor; counts contacts with the floor (grounded)
-    /// and contacts that were not predicted (unpredicted).
+    /// With --headless: the window's ships, drones and asteroids, over a floor; counts contacts with the floor
+    /// (`grounded`), and contacts that were not predicted (`unpredicted`).
     #[arg(long)]
     ships: bool,
     /// Simulated time, s; of a window, before its picture is taken.
