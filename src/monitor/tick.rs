@@ -147,13 +147,13 @@ impl Monitor {
         let TickWork {
             mut stats, meter, ..
         } = work;
-        let begin_reading = Instant::now();
         let known = known.and_then(|known| {
             self.read_changed_pairs();
+            let begin = Instant::now();
             self.complete_cut_contacts((now, known))?;
+            stats.narrow_time += begin.elapsed();
             Ok(known)
         });
-        stats.narrow_time += begin_reading.elapsed();
         let Ok(known) = known else {
             let limit = self.search.max_spans;
             self.forget_search()?;
@@ -261,8 +261,7 @@ impl Monitor {
         self.search.solved.changed_pairs.clear();
     }
 
-    /// Solves those spans for any window in which the windows of this tick cut a contact, if more is to be solved of them for
-    /// that.
+    /// Solves the spans in which the windows of this tick cut a contact for any window, unless they are.
     ///
     /// # Errors
     ///
