@@ -138,13 +138,14 @@ impl Conflict {
     /// Returns the body that this one meets; `None` if the conflict is of two other bodies.
     #[must_use]
     pub fn other(&self, id: BodyId) -> Option<BodyId> {
-        other_of(((self.a, self.a), (self.b, self.b)), id)
+        let bodies = (self.a, self.b);
+        other_of(bodies, id, bodies)
     }
 
     /// Returns the [tag](crate::Body::tag) of the body that this one meets; `None` if the conflict is of two other bodies.
     #[must_use]
     pub fn other_tag(&self, id: BodyId) -> Option<u64> {
-        other_of(((self.a, self.tag_a), (self.b, self.tag_b)), id)
+        other_of((self.a, self.b), id, (self.tag_a, self.tag_b))
     }
 
     /// Returns the time between enter and exit, s.
@@ -196,12 +197,12 @@ impl fmt::Display for Conflict {
     }
 }
 
-/// Returns what is given of the body of a pair that is not this one; `None` if this one is not of the pair.
-pub(crate) fn other_of<T>((a, b): ((BodyId, T), (BodyId, T)), id: BodyId) -> Option<T> {
-    if id == a.0 {
-        Some(b.1)
+/// Returns the value of the body of a pair that is not this one; `None` if this one is not of the pair.
+pub(crate) fn other_of<T>(bodies: (BodyId, BodyId), id: BodyId, values: (T, T)) -> Option<T> {
+    if id == bodies.0 {
+        Some(values.1)
     } else {
-        (id == b.0).then_some(a.1)
+        (id == bodies.1).then_some(values.0)
     }
 }
 

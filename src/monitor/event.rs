@@ -82,13 +82,14 @@ impl Encounter {
     /// Returns the body that this one meets; `None` if the encounter is of two other bodies.
     #[must_use]
     pub fn other(&self, id: BodyId) -> Option<BodyId> {
-        other_of(((self.a, self.a), (self.b, self.b)), id)
+        let bodies = (self.a, self.b);
+        other_of(bodies, id, bodies)
     }
 
     /// Returns the [tag](crate::Body::tag) of the body that this one meets; `None` if the encounter is of two other bodies.
     #[must_use]
     pub fn other_tag(&self, id: BodyId) -> Option<u64> {
-        other_of(((self.a, self.tag_a), (self.b, self.tag_b)), id)
+        other_of((self.a, self.b), id, (self.tag_a, self.tag_b))
     }
 
     /// Returns true if a monitor with so many levels can have it: for an encounter from a file.

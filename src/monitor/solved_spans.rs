@@ -251,9 +251,6 @@ impl SolvedSpans {
     ) -> Option<Approach> {
         let at = (time, time);
         let kept = self.closest(pair, at, Clip::default());
-        if !self.is_incomplete(pair, time) {
-            return kept;
-        }
         let cut = self
             .of(pair)
             .filter(|entry| contains(entry.interval, time) && !self.may_be_cut(entry, time));

@@ -5,7 +5,7 @@ use super::scenarios::tick;
 use super::support::{bits, exceeded, line, rng, vector, with_every_change};
 use glam::DVec3;
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Hitbox, Monitor, Scene, Sphere, State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Error, Hitbox, Monitor, Scene, Sphere, State, Trajectory,
 };
 
 const LEVEL: AlertLevel = AlertLevel::at(2.0);
@@ -175,4 +175,34 @@ fn a_crowd_beyond_the_lookahead_is_not_refused_yet() {
     }
     let refused = monitor.advance(20.0 / 60.0, &mut Vec::new());
     assert_eq!(exceeded(refused), Some(300));
+}
+
+/// Two clusters of many spheres take little room while their contact lies ahead, and more once the clock cuts it.
+#[test]
+fn a_contact_that_the_clock_cuts_needs_room() {
+    let mut rng = rng(17);
+    let mut scene = Scene::new();
+    for side in [-1.0, 1.0] {
+        let spheres = (0..40).map(|_| Sphere::new(vector(&mut rng, 1.5), 0.3));
+        let plan = line(0.0, 30.0, 9.0 * side * DVec3::X, -side * DVec3::X);
+        let hitbox = Hitbox::cluster(spheres.collect()).unwrap();
+        scene.insert(Body::new(plan).with_hitbox(hitbox)).unwrap();
+    }
+    let ahead = (1..).find_map(|limit| {
+        let mut monitor = Monitor::new(scene.clone(), 0.0, 20.0, &[LEVEL]).unwrap();
+        monitor.set_max_spans(limit);
+        let done = monitor.advance(0.0, &mut Vec::new());
+        done.is_ok().then_some(monitor)
+    });
+    let mut monitor = ahead.unwrap();
+    let before: Vec<_> = monitor.encounters().copied().collect();
+    for _ in 0..2 {
+        let refused = monitor.advance(9.0, &mut Vec::new());
+        assert!(matches!(refused, Err(Error::TooCrowded { .. })));
+        assert_eq!(monitor.now(), 0.0);
+        assert!(monitor.encounters().eq(before.iter()));
+    }
+    monitor.set_max_spans(Monitor::MAX_SPANS);
+    assert_eq!(tick(&mut monitor, 9.0).len(), 1);
+    is_as_screened(&monitor, LEVEL);
 }

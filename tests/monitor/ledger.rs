@@ -1,4 +1,4 @@
-//! What the events of a monitor tell of its encounters.
+//! The encounters of a monitor, followed through its events.
 
 use nearmiss::{Encounter, EncounterId, EndReason, Event, EventKind, Monitor};
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Ledger {
     pub(crate) open: BTreeMap<EncounterId, bool>,
     pub(crate) closed: BTreeMap<EncounterId, EndReason>,
-    /// What was told last of those that are not closed.
+    /// Those that are not closed, as their last events had them.
     told: BTreeMap<EncounterId, Encounter>,
 }
 

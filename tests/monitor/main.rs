@@ -72,7 +72,7 @@ const SMALL: Kind = Kind {
     turns: false,
 };
 
-/// Of two clusters, not all pairs of spheres that are the nearest ones at some time are solved at first.
+/// Clusters of so many spheres that a monitor solves two of them for whole contacts alone, until a window cuts one.
 const LARGE: Kind = Kind {
     clusters: 0.9,
     spheres: 24,

@@ -144,18 +144,16 @@ impl<'a> ClusterPair<'a> {
     /// Returns which of these instants (s) may cut a contact within a margin (m) in a part of the span: those at its ends, or any
     /// if the bodies may be within the margin at another one.
     fn cuts_in(&self, cuts: &[f64], margin: f64, part: Span) -> SolvedCuts {
-        let is_within = |time: &&f64| part.start < **time && **time < part.end;
-        let mut within = cuts.iter().filter(is_within).peekable();
-        if within.peek().is_some()
-            && let Some(threshold) = self.threshold(margin, self.scale(part))
-        {
-            let cubic = self.cubic();
-            if within.any(|&time| cubic.distance(cubic.parameter(time)) <= threshold) {
-                return SolvedCuts::Any;
-            }
+        let is_near = |time: f64| {
+            let (cubic, threshold) = (self.cubic(), self.threshold(margin, self.scale(part)));
+            threshold.is_some_and(|threshold| cubic.distance(cubic.parameter(time)) <= threshold)
+        };
+        let is_cut = |time: f64| part.start < time && time < part.end && is_near(time);
+        if cuts.iter().any(|&time| is_cut(time)) {
+            return SolvedCuts::Any;
         }
-        let is_cut = |end: f64| cuts.iter().any(|cut| cut.total_cmp(&end).is_eq());
-        SolvedCuts::AtEnds([part.start, part.end].map(is_cut))
+        let is_at = |end: f64| cuts.iter().any(|cut| cut.total_cmp(&end).is_eq());
+        SolvedCuts::AtEnds([part.start, part.end].map(is_at))
     }
 
     /// Solves the pairs of spheres that may come nearer in `window` than `reached` (m); `solve` gets

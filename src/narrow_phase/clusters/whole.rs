@@ -1,8 +1,8 @@
 //! Question for the pairs of spheres that matter to contacts as a whole, at some margins.
 //!
-//! What they show are the contacts at each of these margins, and the closest approach in each. If a window cuts a contact at an
-//! end of the part, they show that at this instant, too: bodies that are told a state have a cubic from then on. They do
-//! not show what a window leaves of a contact that it cuts elsewhere: the [nearest](super::nearest) pairs do.
+//! They show the contacts at each of these margins, and the closest approach in each. Where a window cuts a contact at an end
+//! of the part, they show the closest approach at that instant, too: bodies that are told a state have a cubic from then on.
+//! They do not show the rest of a contact that a window cuts elsewhere: the [nearest](super::nearest) pairs do.
 
 use super::proven::{BoundStep, BoundSteps, MOST_STEPS, ProvenContact, ProvenContacts};
 use super::search::Question;
@@ -25,7 +25,7 @@ const INSTANT: f64 = 1e-12;
 
 const ALL_TIMES: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// What is asked of a span that is solved once and kept.
+/// Question about a span that is solved once and kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptQuestion<'m> {
     /// Margins of the contacts, m, the largest one last: at least one.
@@ -67,7 +67,7 @@ impl SolvedCuts {
 /// Asks for the pairs that begin or end a contact at some margin, or are the nearest ones in it; `solve` returns the
 /// profile of a pair's distance if that comes within the largest margin.
 pub(super) struct WholeContactsQuestion<F> {
-    /// What is proven so far at each margin.
+    /// Contacts that are proven so far at each margin.
     proven: ArrayVec<ProvenContacts, MAX_MARGINS>,
     margins: ArrayVec<f64, MAX_MARGINS>,
     /// Separations that a pair must reach at the start and at the end of the part to matter there, m; below all numbers if
