@@ -2,7 +2,7 @@
 
 use super::ROUNDING;
 use super::cubic_run::{CubicRun, ScaledRun};
-use super::fat_line::FatLine;
+use super::fat_line::{FatLine, LINE_ROUNDINGS};
 use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
@@ -310,7 +310,7 @@ fn fat_line(
     // Eight of the line's change. Two are for a point of the line (share and product), one is for its thirds. A line may
     // start farther from the anchor than its body goes, by at most the change: one more where the line is moved and one of
     // the origin. The others exceed all terms of second order. `rounding` holds those of the body's coordinates.
-    let rounding = rounding + (start.abs() + change.abs()) * (8.0 * ROUNDING);
+    let rounding = rounding + (start.abs() + change.abs()) * (LINE_ROUNDINGS * ROUNDING);
     let radius = (deviation.x + deviation.y + deviation.z).sqrt()
         + VANISHING
         + reach

@@ -1,5 +1,10 @@
 //! Fat lines: a line and a radius that bound a body in a slice, closer than a box.
 
+use super::ROUNDING;
+
+/// Roundings of a line's coordinates that its radius holds, on each axis.
+pub(super) const LINE_ROUNDINGS: f32 = 8.0;
+
 /// A fat line (Sederberg, Nishita, 1990) over a slice: a line with a radius, in the frame's unit.
 ///
 /// At the share `s` of the slice, 0..=1, every sphere of the body, enlarged by half the margin, is
@@ -24,5 +29,11 @@ impl FatLine {
             .into_iter()
             .fold(0.0, |most: f32, coordinate| most.max(coordinate.abs()));
         self.radius > 0.3 * displacement
+    }
+
+    /// Returns true if most of the radius is rounding, since the frame's origin is far away.
+    pub(crate) fn is_coarse(&self) -> bool {
+        let size: f32 = self.start.into_iter().map(f32::abs).sum();
+        LINE_ROUNDINGS * ROUNDING * size > 0.5 * self.radius
     }
 }

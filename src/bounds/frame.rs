@@ -22,7 +22,7 @@ pub(crate) struct Frame {
 /// A frame whose boxes move. Only relative motion matters to a pair. In a slice, a box bounds its
 /// body relative to a point that moves with the common velocity of the bodies from the slice's
 /// start.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MovingFrame {
     frame: Frame,
     velocity: DVec3,
@@ -36,6 +36,26 @@ impl MovingFrame {
 
     pub(crate) fn moves(&self) -> bool {
         self.velocity != DVec3::ZERO
+    }
+
+    /// Returns the frame with another origin, given in this frame, whose boxes move by `displacement` in an interval (s). Its
+    /// unit is the same.
+    pub(crate) fn placed_at(
+        &self,
+        origin: DVec3,
+        displacement: DVec3,
+        (from, to): (f64, f64),
+    ) -> Self {
+        let frame = Frame {
+            origin: self.frame.origin + origin / self.frame.power,
+            ..self.frame
+        };
+        let velocity = displacement / self.frame.power / (to - from);
+        frame.moving(if velocity.is_finite() {
+            velocity
+        } else {
+            DVec3::ZERO
+        })
     }
 
     /// Returns a slice interval with the displacement of its boxes.

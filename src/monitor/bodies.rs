@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
-use crate::bounds::{CubicSource, FatLine, Padding, StraightPieces};
+use crate::bounds::{CubicSource, FatLine, Frame, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
@@ -35,19 +35,18 @@ impl SourcesInPlace for BodyTable<'_> {
     type Cubic = Segment;
 
     #[inline(always)]
-    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>> {
+    fn straight(&self, body: u32, from: f64, frame: &Frame) -> Option<StraightPieces<'_>> {
         let (monitored, body) = self.monitored.with_body(self.scene, body)?;
         if !monitored.has_partner {
             return None;
         }
-        let bounds = (&monitored.padding, &*self.grid.frame);
+        let bounds = (&monitored.padding, frame);
         StraightPieces::over(&body.trajectory, monitored.before(), from, bounds)
     }
 
     /// Without a partner: that of a body that never exists.
     #[inline(always)]
-    fn source(&self, body: u32) -> CubicSource<'_, Segment> {
-        let frame = &self.grid.frame;
+    fn source(&self, body: u32, frame: &Frame) -> CubicSource<'_, Segment> {
         let found = self.monitored.with_body(self.scene, body);
         match found.filter(|(monitored, _)| monitored.has_partner) {
             Some((monitored, body)) => {

@@ -126,9 +126,10 @@ impl<'m> PreparedBodies<'m> {
             pool: self.pool,
             is_in_place: true,
         };
+        let frame = &self.table.grid.frame;
         let some = |slots: &[usize]| {
             let slots = slots.iter().map(|&slot| short(slot));
-            slots.map(|slot| self.table.source(slot)).collect()
+            slots.map(|slot| self.table.source(slot, frame)).collect()
         };
         let slices = TimeSlices::whole(from, to).with_count(count);
         (

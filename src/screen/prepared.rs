@@ -119,7 +119,9 @@ impl<'a> PreparedScene<'a> {
     pub(super) fn list_sources<'p>(&'p self, sources: &mut SourceList<'p>) {
         /// Fewer are prepared on this thread.
         const FEW: usize = 4096;
-        parallel::map_into(self.entries.len(), FEW, sources, |place| self.source(place));
+        parallel::map_into(self.entries.len(), FEW, sources, |place| {
+            self.source(place, &self.frame)
+        });
     }
 
     /// Returns true if views and sources are made in place, not listed: most bodies follow straight motions.
@@ -131,7 +133,8 @@ impl<'a> PreparedScene<'a> {
 
     /// Returns the box sources of the bodies at some places.
     pub(super) fn sources(&self, places: &[usize]) -> Vec<CubicSource<'_, CompactCubic>> {
-        places.iter().map(|&place| self.source(place)).collect()
+        let source = |&place| self.source(place, &self.frame);
+        places.iter().map(source).collect()
     }
 
     #[inline]
@@ -147,17 +150,16 @@ impl<'a> PreparedScene<'a> {
         extension.ok().map(|number| &self.extensions[number].1)
     }
 
-    /// Returns the source of the boxes of the body at a place.
+    /// Returns the source of the boxes of the body at a place, in a frame.
     #[inline(always)]
-    fn source(&self, place: usize) -> CubicSource<'_, CompactCubic> {
-        let frame: &Frame = &self.frame;
+    fn source(&self, place: usize, frame: &Frame) -> CubicSource<'_, CompactCubic> {
         let (entry, extension) = (self.entries[place], self.extension(place));
         let padding = Padding::of(entry.body.shape(), self.query.margin(), frame);
         let plan = &entry.body.trajectory;
         if !plan.straight_motions().is_empty() {
             return CubicSource::straight(Knots::over(plan, extension), &padding, frame);
         }
-        self.source_of_plan(entry, extension, &padding)
+        self.source_of_plan(entry, extension, (&padding, frame))
     }
 
     #[inline(never)]
@@ -165,14 +167,14 @@ impl<'a> PreparedScene<'a> {
         &self,
         entry: &'a SceneEntry,
         extension: Option<&Extension>,
-        padding: &Padding,
+        (padding, frame): (&Padding, &Frame),
     ) -> CubicSource<'_, CompactCubic> {
         let compact_view = entry.compact_view(self.arena);
         // A screening reads knots next to the compact trajectories.
         let knots = compact_view
             .knots
             .extended(&entry.body.trajectory, extension);
-        CubicSource::compact(knots, &compact_view, padding, &self.frame)
+        CubicSource::compact(knots, &compact_view, padding, frame)
     }
 
     /// Returns the interval asked about (s), with what is reported in it by rounding.
@@ -204,8 +206,8 @@ impl SourcesInPlace for BodiesInPlace<'_> {
     type Cubic = CompactCubic;
 
     #[inline(always)]
-    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>> {
-        let (place, frame): (usize, &Frame) = (body as usize, &self.0.frame);
+    fn straight(&self, body: u32, from: f64, frame: &Frame) -> Option<StraightPieces<'_>> {
+        let place = body as usize;
         let (body, extension) = (&self.0.entries[place].body, self.0.extension(place));
         let before = extension.map_or(0, |extension| extension.before as usize);
         let padding = Padding::of(body.shape(), self.0.query.margin(), frame);
@@ -213,8 +215,8 @@ impl SourcesInPlace for BodiesInPlace<'_> {
     }
 
     #[inline(always)]
-    fn source(&self, body: u32) -> CubicSource<'_, CompactCubic> {
-        self.0.source(body as usize)
+    fn source(&self, body: u32, frame: &Frame) -> CubicSource<'_, CompactCubic> {
+        self.0.source(body as usize, frame)
     }
 }
 
@@ -288,7 +290,11 @@ impl BoxedBodies for ListedBodies<'_> {
     const ARE_SHARED: bool = false;
 
     fn form(&self, slices: SlicesToForm<'_>) {
-        slices.form_listed(self.sources);
+        if *slices.frame == self.prepared.frame {
+            slices.form_listed(self.sources);
+        } else {
+            slices.form_in_place(&BodiesInPlace(self.prepared));
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 use super::body_walk::{MAX_SLICES, cubic_before, likely_cubic, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
-    BoundingCubic, CubicSource, FatLine, MovingFrame, SliceInterval, StraightPieces,
+    BoundingCubic, CubicSource, FatLine, Frame, MovingFrame, SliceInterval, StraightPieces,
 };
 use crate::broad_phase::BodyBox;
 use crate::count::short;
@@ -16,11 +16,12 @@ use parry3d::bounding_volume::Aabb;
 pub(crate) trait SourcesInPlace: Sync {
     type Cubic: BoundingCubic;
 
-    /// Returns the straight motions of a body, if it follows nothing else from an instant (s) on.
-    fn straight(&self, body: u32, from: f64) -> Option<StraightPieces<'_>>;
+    /// Returns the straight motions of a body, if it follows nothing else from an instant (s) on; in a frame with the unit of
+    /// the search's.
+    fn straight(&self, body: u32, from: f64, frame: &Frame) -> Option<StraightPieces<'_>>;
 
-    /// Returns the source of a body's boxes.
-    fn source(&self, body: u32) -> CubicSource<'_, Self::Cubic>;
+    /// Returns the source of a body's boxes, in a frame with the unit of the search's.
+    fn source(&self, body: u32, frame: &Frame) -> CubicSource<'_, Self::Cubic>;
 
     /// Prefetches the record of a body.
     fn fetch_record(&self, _: u32) {}
@@ -69,7 +70,7 @@ impl SlicesToForm<'_> {
         for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
             slice.split_teleports(|body| {
                 let interval = (ends[0], ends[1]);
-                let pieces = bodies.straight(body, ends[0])?;
+                let pieces = bodies.straight(body, ends[0], self.frame)?;
                 pieces.bounds_by_teleport(self.frame, interval)
             });
         }
@@ -197,7 +198,10 @@ where
                 self.bodies.fetch_motion(later);
             }
             let put = &mut |slice: usize, bounds| (self.put)((number, body), slice, bounds);
-            if let Some(pieces) = self.bodies.straight(body, slice_intervals[0].from) {
+            if let Some(pieces) = self
+                .bodies
+                .straight(body, slice_intervals[0].from, self.frame)
+            {
                 for (slice, slice_interval) in slice_intervals.iter().enumerate() {
                     put(slice, pieces.bounds(slice_interval));
                 }
@@ -205,6 +209,7 @@ where
                 // A call of its own: inlined here, it would take registers from the branch above.
                 self.instructions.run(WalkInPlace {
                     bodies: self.bodies,
+                    frame: self.frame,
                     body,
                     slice_intervals,
                     put,
@@ -217,6 +222,7 @@ where
 /// Forms the bounds of one body.
 struct WalkInPlace<'a, B, const MOVES: bool> {
     bodies: &'a B,
+    frame: &'a Frame,
     body: u32,
     slice_intervals: &'a [SliceInterval<MOVES>],
     /// Called by address: a walk takes far longer than a call, and is compiled once for all callers.
@@ -228,7 +234,7 @@ impl<B: SourcesInPlace, const MOVES: bool> Task for WalkInPlace<'_, B, MOVES> {
 
     #[inline(always)]
     fn run(mut self) {
-        let source = self.bodies.source(self.body);
+        let source = self.bodies.source(self.body, self.frame);
         let from = self.slice_intervals[0].from;
         let first = || cubic_before(&source.knots, from, likely_cubic(&source.knots, from));
         walk(&source, self.slice_intervals, (None, first), &mut self.put);

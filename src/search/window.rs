@@ -1,7 +1,6 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
 use super::body_walk::MAX_SLICES;
-use super::box_sizes::BoxSizes;
 use super::by_place::ByPlace;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
@@ -11,7 +10,7 @@ use super::{
 };
 use crate::bounds::MovingFrame;
 use crate::broad_phase::{Candidate, CandidateLimit, Method, Methods, PairFilter};
-use crate::count::{as_f64, short, whole};
+use crate::count::{short, whole};
 use crate::parallel;
 use crate::pool::Pool;
 use crate::simd::InstructionSet;
@@ -37,6 +36,16 @@ pub(crate) struct WindowSearch<'a, B> {
     pub(crate) pool: &'a Pool<SearchScratch>,
     /// Threads that share the work.
     pub(crate) threads: usize,
+}
+
+/// A slice, or a part of one.
+#[derive(Clone, Copy)]
+pub(super) struct SlicePart<'a> {
+    /// s.
+    pub(super) interval: (f64, f64),
+    pub(super) bounds: &'a SliceBounds,
+    /// The frame of the bounds.
+    pub(super) frame: &'a MovingFrame,
 }
 
 impl<S: BoxedBodies> WindowSearch<'_, S> {
@@ -127,7 +136,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         } else {
             1
         };
-        self.form(&ends, &scratch.present, threads, &mut block);
+        let slices_to_form = (&ends[..], &scratch.present[..]);
+        self.form(self.frame, slices_to_form, threads, &mut block);
         scratch.ends = ends;
         stats.bounds_time += begin.elapsed();
         let mut candidates = std::mem::take(&mut scratch.candidates);
@@ -135,9 +145,13 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         let mut crowded = Vec::new();
         let mut begin = Instant::now();
         for (number, slice) in range.zip(&block.slices) {
-            let room = self.limits.candidates_of_slice(slice.boxes.len());
+            let room = self.room_of(slice);
             if !self.list_pairs(&mut scratch.methods, slice, room, filter, &mut candidates) {
-                crowded.push((slices.interval(number), slice));
+                crowded.push(SlicePart {
+                    interval: slices.interval(number),
+                    bounds: slice,
+                    frame: self.frame,
+                });
             }
             stats.boxes += slice.boxes.len() as u64;
             if candidates.is_empty() {
@@ -167,10 +181,17 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(stats)
     }
 
-    fn form(&self, ends: &[f64], present: &[u32], threads: usize, block: &mut SliceBlock) {
+    /// Forms the boxes of some bodies (ascending) in the slices with these ends (s), in a frame with the unit of the search's.
+    pub(super) fn form(
+        &self,
+        frame: &MovingFrame,
+        (ends, present): (&[f64], &[u32]),
+        threads: usize,
+        block: &mut SliceBlock,
+    ) {
         self.bodies.form(SlicesToForm {
             block,
-            frame: self.frame,
+            frame,
             present,
             ends,
             instructions: self.instructions,
@@ -180,7 +201,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
 
     /// Adds the spans of a slice's candidates to those found; returns the number examined. If the
     /// filter gives up, spans may be missing.
-    fn refine(
+    pub(super) fn refine(
         &self,
         slice: &SliceBounds,
         (interval, candidates): ((f64, f64), &[Candidate]),
@@ -221,138 +242,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         Ok(examined)
     }
 
-    /// Searches a slice, or a part of one, with many candidates per box. It is halved while the
-    /// halves have fewer candidates in all. Candidates shrink with boxes, until these are as large
-    /// as hitboxes and the margin. Overlaps that remain are a crowd, which may fit the limits as a
-    /// whole. So do those of bodies that fly side by side, whose boxes overlap however long they are.
-    fn divide(
-        &self,
-        (interval, slice): ((f64, f64), &SliceBounds),
-        filter: &dyn PairFilter,
-        stats: &mut Stats,
-        scratch: &mut SearchScratch,
-    ) -> Result<(), LimitExceeded> {
-        /// Halves with boxes nearly as large have as many candidates.
-        const LESS: f64 = 0.875;
-        // Halves of the time in which any of them exists.
-        let ends = slice
-            .bodies
-            .iter()
-            .map(|&body| self.lifetimes[body as usize]);
-        let (first, last) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |hull, (first, last)| {
-            (hull.0.min(first), hull.1.max(last))
-        });
-        let (from, to) = (interval.0.max(first), interval.1.min(last));
-        // Aside of the very middle: where all meet at that instant, they would be near each other in both parts.
-        let middle = 0.5625 * from + 0.4375 * to;
-        let mut halves = SliceBlock::default();
-        let begin = Instant::now();
-        if from < middle && middle < to {
-            self.form(&[from, middle, to], slice.each_body(), 1, &mut halves);
-        }
-        stats.bounds_time += begin.elapsed();
-        let whole = BoxSizes::of(&slice.boxes);
-        let sizes = halves.slices.iter().map(|half| BoxSizes::of(&half.boxes));
-        let both = sizes.fold(BoxSizes::default(), BoxSizes::and);
-        let has_fewer = !halves.slices.is_empty() && both.makes_fewer_pairs_than(&whole);
-        if !has_fewer || !self.shows_fewer_pairs(&halves, slice, filter, scratch) {
-            let mut candidates = Vec::new();
-            let room = self.limits.candidates;
-            if self.list_timed(slice, room, filter, (&mut candidates, stats), scratch) {
-                let before = scratch.found.clone();
-                match self.refine_timed(slice, (interval, &candidates), filter, stats, scratch) {
-                    Ok(()) => return Ok(()),
-                    Err(exceeded) if !has_fewer => return Err(exceeded),
-                    // Bodies may be near each other in fewer pairs within the halves.
-                    Err(_) => scratch.found = before,
-                }
-            }
-            let is_smaller = !halves.slices.is_empty() && both.is_below(2.0 * LESS, &whole);
-            if !has_fewer && !is_smaller {
-                return Err(LimitExceeded);
-            }
-        }
-        for (half, interval) in halves.slices.iter().zip([(from, middle), (middle, to)]) {
-            if filter.gives_up() {
-                break;
-            }
-            stats.boxes += half.boxes.len() as u64;
-            let mut candidates = Vec::new();
-            let room = self.limits.candidates_of_slice(half.boxes.len());
-            if self.list_timed(half, room, filter, (&mut candidates, stats), scratch) {
-                self.refine_timed(half, (interval, &candidates), filter, stats, scratch)?;
-            } else {
-                drop(candidates);
-                self.divide((interval, half), filter, stats, scratch)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Does what [`list_pairs`](Self::list_pairs) does, and adds the time.
-    fn list_timed(
-        &self,
-        slice: &SliceBounds,
-        room: u64,
-        filter: &dyn PairFilter,
-        (candidates, stats): (&mut Vec<Candidate>, &mut Stats),
-        scratch: &mut SearchScratch,
-    ) -> bool {
-        let begin = Instant::now();
-        let has_room = self.list_pairs(&mut scratch.methods, slice, room, filter, candidates);
-        stats.broad_time += begin.elapsed();
-        has_room
-    }
-
-    /// Does what [`refine`](Self::refine) does with all candidates of a slice, and adds the counts and the time.
-    fn refine_timed(
-        &self,
-        slice: &SliceBounds,
-        (interval, candidates): ((f64, f64), &[Candidate]),
-        filter: &dyn PairFilter,
-        stats: &mut Stats,
-        scratch: &mut SearchScratch,
-    ) -> Result<(), LimitExceeded> {
-        let begin = Instant::now();
-        let examined = self.refine(slice, (interval, candidates), filter, scratch);
-        stats.narrow_time += begin.elapsed();
-        stats.spans += examined?;
-        stats.candidates += candidates.len() as u64;
-        Ok(())
-    }
-
-    /// Returns true unless a sample of the bodies shows that the halves of a slice have nearly twice as many candidates:
-    /// also if it has too few for that, or the slice more than the limit.
-    fn shows_fewer_pairs(
-        &self,
-        halves: &SliceBlock,
-        slice: &SliceBounds,
-        filter: &dyn PairFilter,
-        scratch: &mut SearchScratch,
-    ) -> bool {
-        /// Fewest candidates of a sample that tell something.
-        const TELLING: f64 = 64.0;
-        /// Largest share of twice the candidates that counts as far fewer.
-        const FEWER: f64 = 0.75;
-        let sampled = u64::from(SliceBounds::ONE_IN);
-        let room = self.limits.candidates / (sampled * sampled);
-        let mut count = |slice: &SliceBounds| {
-            let (sample, mut candidates) = (slice.sample(), Vec::new());
-            self.list_pairs(&mut scratch.methods, &sample, room, filter, &mut candidates)
-                .then(|| as_f64(candidates.len()))
-        };
-        let Some(whole) = count(slice).filter(|&whole| whole >= TELLING) else {
-            return true;
-        };
-        let halves = halves.slices.iter().map(count);
-        halves
-            .sum::<Option<f64>>()
-            .is_some_and(|halves| halves < FEWER * 2.0 * whole)
-    }
-
     /// Replaces the content of a list by the candidates of a slice, numbered by place in it. Returns false, and lists none,
     /// if there are more than the limit.
-    fn list_pairs(
+    pub(super) fn list_pairs(
         &self,
         methods: &mut Methods,
         slice: &SliceBounds,
