@@ -40,7 +40,7 @@ pub(crate) use fat_line::FatLine;
 pub(crate) use frame::{DAabb, Frame, MovingFrame, Padding};
 pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
-pub(crate) use straight_pieces::StraightPieces;
+pub(crate) use straight_pieces::{MAX_PLACES, StraightPieces};
 pub(crate) use sub_cubic::SubCubic;
 
 use glam::{DVec3, Vec4};

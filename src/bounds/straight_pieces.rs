@@ -8,8 +8,13 @@ use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
 use crate::count::short;
 use crate::trajectory::{StraightMotion, Trajectory, count_at_end};
+use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
+use std::iter::once;
 use std::ops::RangeInclusive;
+
+/// Largest number of places of a body that teleports in a slice.
+pub(crate) const MAX_PLACES: usize = 4;
 
 /// Straight motions, one after another. The last one goes on for ever.
 #[derive(Clone, Copy, Debug)]
@@ -80,13 +85,13 @@ impl<'a> StraightPieces<'a> {
         builder.finish(&self.placement, short(self.before + first))
     }
 
-    /// Returns the bounds in the two parts of a slice, before the body teleports and after it does, if there is one. The
-    /// bounds of the whole slice hold all that lies between the two places.
+    /// Returns the bounds in each part of a slice between the instants at which the body teleports; none if it does not. The
+    /// bounds of the whole slice hold all that lies between the places. The last part holds what there is no room for.
     pub(crate) fn bounds_by_teleport(
         &self,
         frame: &MovingFrame,
         (from, to): (f64, f64),
-    ) -> Option<[(FatLine, Aabb); 2]> {
+    ) -> ArrayVec<(FatLine, Aabb), MAX_PLACES> {
         if frame.moves() {
             self.parts_by_teleport(&frame.slice_interval(from, to))
         } else {
@@ -97,7 +102,7 @@ impl<'a> StraightPieces<'a> {
     fn parts_by_teleport<const MOVES: bool>(
         &self,
         slice_interval: &SliceInterval<MOVES>,
-    ) -> Option<[(FatLine, Aabb); 2]> {
+    ) -> ArrayVec<(FatLine, Aabb), MAX_PLACES> {
         let (first, last) = self.pieces_in(slice_interval);
         let (from, to) = (slice_interval.from, slice_interval.to);
         let part = |number: usize| {
@@ -109,17 +114,27 @@ impl<'a> StraightPieces<'a> {
             self.part(number, (from.max(self.knots[number]), until))
         };
         let teleports = |&number: &usize| self.teleports_between(&part(number - 1), &part(number));
-        let after = (first + 1..=last).find(teleports)?;
+        let later = (first + 1..=last).filter(teleports);
+        let begins: ArrayVec<usize, MAX_PLACES> =
+            once(first).chain(later).take(MAX_PLACES).collect();
+        if begins.len() < 2 {
+            return ArrayVec::new();
+        }
         let bounds = |pieces: RangeInclusive<usize>| {
             let (head, tail) = (part(*pieces.start()), part(*pieces.end()));
             let mut builder = BoundsBuilder::along(&head, &tail, slice_interval);
             for number in pieces.skip(1) {
                 builder.go_straight(&part(number));
             }
-            // Both are examined from the first cubic of the slice on.
+            // All are examined from the first cubic of the slice on.
             builder.finish(&self.placement, short(self.before + first))
         };
-        Some([bounds(first..=after - 1), bounds(after..=last)])
+        let ends = begins[1..].iter().map(|next| next - 1).chain(once(last));
+        begins
+            .iter()
+            .zip(ends)
+            .map(|(&begin, end)| bounds(begin..=end))
+            .collect()
     }
 
     /// Returns the numbers of the first and the last piece in a slice.
@@ -206,16 +221,17 @@ mod tests {
         trajectory
     }
 
-    /// Returns the bounds in the two parts of a slice, if the body teleports in it.
+    /// Returns the bounds in the parts of a slice, if the body teleports in it.
     fn parts_by_teleport(
         trajectory: &Trajectory,
         padding: &Padding,
         frame: &MovingFrame,
         ends: &[f64],
-    ) -> Option<[(FatLine, Aabb); 2]> {
+    ) -> ArrayVec<(FatLine, Aabb), MAX_PLACES> {
         let interval = (ends[0], ends[1]);
-        let pieces = StraightPieces::over(trajectory, 0, interval.0, (padding, frame))?;
-        pieces.bounds_by_teleport(frame, interval)
+        let pieces = StraightPieces::over(trajectory, 0, interval.0, (padding, frame));
+        let parts = pieces.map(|pieces| pieces.bounds_by_teleport(frame, interval));
+        parts.unwrap_or_default()
     }
 
     /// Boxes and fat lines of slices in which a motion is replaced hold the body, and more than twice the
@@ -253,7 +269,7 @@ mod tests {
             for (slice, ends) in block.slices.iter().zip(ends.windows(2)) {
                 let whole = (slice.fat_lines[0], slice.boxes[0].aabb);
                 let parts = parts_by_teleport(&trajectory, &padding, &moving, ends);
-                teleported += usize::from(parts.is_some());
+                teleported += usize::from(!parts.is_empty());
                 for step in 0..=4 {
                     let share = f64::from(step) / 4.0;
                     let time = ends[0] + share * (ends[1] - ends[0]);
@@ -304,7 +320,7 @@ mod tests {
                     let is_held =
                         |(line, aabb): &(FatLine, Aabb)| on_line(line) && inside(aabb, SEEN);
                     assert!(
-                        parts.is_none_or(|parts| parts.iter().any(is_held)),
+                        parts.is_empty() || parts.iter().any(is_held),
                         "{round} {time} {trajectory:?}"
                     );
                 }

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
-use crate::bounds::{CubicSource, FatLine, Frame, Padding, StraightPieces};
+use crate::bounds::{CubicSource, FatLine, Frame, MAX_PLACES, Padding, StraightPieces};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
@@ -10,6 +10,8 @@ use crate::scene::{Scene, SceneEntry};
 use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace, list_present};
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
+use arrayvec::ArrayVec;
+use parry3d::bounding_volume::Aabb;
 use std::ops::Range;
 
 /// The bodies of a monitor, by slot.
@@ -99,6 +101,24 @@ impl<'m> BodyTable<'m> {
             until > monitored.until() || monitored.knots(&body.trajectory).has_unlisted_cubics();
         let (_, entry) = self.scene.in_slot(slot)?;
         Some((entry, needs_cubics))
+    }
+
+    /// Returns the bounds of a body at its places in an interval (s), if it teleports in it.
+    pub(super) fn bounds_by_teleport(
+        &self,
+        slot: u32,
+        (from, to): (f64, f64),
+    ) -> ArrayVec<(FatLine, Aabb), MAX_PLACES> {
+        let pieces = || {
+            let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
+            let plan = &body.trajectory;
+            // What it did before is not known, and nobody asks.
+            let known = from.max(plan.piece_knots()[0]);
+            let bounds = (&monitored.padding, &*self.grid.frame);
+            StraightPieces::over(plan, monitored.before(), known, bounds)
+        };
+        let bounds = pieces().map(|one| one.bounds_by_teleport(&self.grid.frame, (from, to)));
+        bounds.unwrap_or_default()
     }
 
     /// Lists those of some slots whose bodies may exist within an interval (s), and have a partner; replaces what the list

@@ -4,7 +4,9 @@ use super::body_walk::{
     MAX_SLICES, PrefetchTarget, cubic_at, cubic_before, ends_of, exists, likely_cubic,
     slice_intervals_of, walk,
 };
-use crate::bounds::{BoundingCubic, CubicRun, CubicSource, FatLine, MovingFrame, SliceInterval};
+use crate::bounds::{
+    BoundingCubic, CubicRun, CubicSource, FatLine, MAX_PLACES, MovingFrame, SliceInterval,
+};
 use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short};
 use crate::simd::{InstructionSet, Task};
@@ -19,10 +21,10 @@ pub(crate) struct SliceBounds {
     /// The `body` of a box is its place in these lists.
     pub(crate) boxes: Vec<BodyBox>,
     pub(crate) fat_lines: Vec<FatLine>,
-    /// Bodies by place, ascending; then those once more that have [another](Self::split_teleports) place.
+    /// Bodies by place, ascending; then those again that have [other places](Self::split_teleports).
     pub(crate) bodies: Vec<u32>,
-    /// Number of bodies with another place.
-    pub(super) second_places: usize,
+    /// Number of other places.
+    pub(super) other_places: usize,
 }
 
 impl SliceBounds {
@@ -59,7 +61,7 @@ impl SliceBounds {
     pub(super) fn set_bodies(&mut self, bodies: &[u32]) {
         self.bodies.clear();
         self.bodies.extend_from_slice(bodies);
-        self.second_places = 0;
+        self.other_places = 0;
     }
 
     /// Drops the bodies whose boxes are [missing](Self::MISSING).
@@ -80,10 +82,12 @@ impl SliceBounds {
         self.bodies.truncate(kept);
     }
 
-    /// Gives each body that teleports in the slice, that is, is told another place, a second box: the first is for the time
-    /// before, the second for that after.
-    /// `parts` returns the bounds there.
-    pub(super) fn split_teleports(&mut self, parts: impl Fn(u32) -> Option<[(FatLine, Aabb); 2]>) {
+    /// Gives each body that teleports in the slice, that is, is told another place, a box for each of its places. `parts`
+    /// returns the bounds there.
+    pub(super) fn split_teleports(
+        &mut self,
+        parts: impl Fn(u32) -> ArrayVec<(FatLine, Aabb), MAX_PLACES>,
+    ) {
         /// Bodies that tell how large most are.
         const SAMPLED: usize = 33;
         let stride = self.bodies.len().div_ceil(SAMPLED).max(1);
@@ -100,25 +104,32 @@ impl SliceBounds {
             .map_or(0.0, |median| 2.0 * median);
         for place in 0..self.bodies.len() {
             let (line, body) = (&self.fat_lines[place], self.bodies[place]);
-            if line.radius > least
-                && line.may_teleport()
-                && let Some([before, after]) = parts(body)
-            {
-                (self.fat_lines[place], self.boxes[place].aabb) = before;
-                self.push(body, after);
-                self.second_places += 1;
+            if line.radius > least && line.may_teleport() {
+                let mut parts = parts(body).into_iter();
+                let Some(first) = parts.next() else {
+                    continue;
+                };
+                (self.fat_lines[place], self.boxes[place].aabb) = first;
+                for part in parts {
+                    self.push(body, part);
+                    self.other_places += 1;
+                }
             }
         }
     }
 
     /// Returns the bodies, each once, ascending.
     pub(super) fn each_body(&self) -> &[u32] {
-        &self.bodies[..self.bodies.len() - self.second_places]
+        &self.bodies[..self.bodies.len() - self.other_places]
     }
 
     /// Returns how often a span may be found: once for each two places of a pair.
     pub(super) const fn copies_of_span(&self) -> usize {
-        if self.second_places > 0 { 4 } else { 1 }
+        if self.other_places > 0 {
+            MAX_PLACES * MAX_PLACES
+        } else {
+            1
+        }
     }
 
     /// One body of so many is part of a sample, on average.
@@ -182,7 +193,7 @@ impl SliceBlock {
             slice.boxes.clear();
             slice.fat_lines.clear();
             slice.bodies.clear();
-            slice.second_places = 0;
+            slice.other_places = 0;
             // At once: growing step by step would touch twice the memory. Some bodies may teleport.
             let room = room + room / 16;
             slice.boxes.reserve(room);

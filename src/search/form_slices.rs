@@ -70,8 +70,9 @@ impl SlicesToForm<'_> {
         for (slice, ends) in slices.iter_mut().zip(self.ends.windows(2)) {
             slice.split_teleports(|body| {
                 let interval = (ends[0], ends[1]);
-                let pieces = bodies.straight(body, ends[0], self.frame)?;
-                pieces.bounds_by_teleport(self.frame, interval)
+                let pieces = bodies.straight(body, ends[0], self.frame);
+                let parts = pieces.map(|pieces| pieces.bounds_by_teleport(self.frame, interval));
+                parts.unwrap_or_default()
             });
         }
     }

@@ -114,3 +114,44 @@ fn a_crowd_that_teleports_hides_no_other_pair() {
     let complete = answers.iter().filter(|&&answer| answer).count();
     assert!((10..answers.len() - 10).contains(&complete), "{complete}");
 }
+
+/// A few bodies that are told another place among many that nobody tells: the same ones in each frame (so that they teleport
+/// several times in a slice), or others. Each is compared with the bodies about its places, not with all between them.
+#[test]
+fn few_that_teleport_among_many_are_compared_at_their_places_alone() {
+    const BODIES: usize = 3_000;
+    const HALF: f64 = 75.0;
+    const TOLD: usize = 20;
+    const FRAMES: usize = 40;
+    for is_same in [true, false] {
+        let rng = &mut rng(913);
+        let mut scene = Scene::new();
+        let ids: Vec<BodyId> = (0..BODIES)
+            .map(|_| {
+                let state = State::new(0.0, vector(rng, HALF), vector(rng, 5.0));
+                let body = Body::new(Trajectory::coasting(state).unwrap());
+                let body = body.with_hitbox(Hitbox::sphere(0.5).unwrap());
+                scene.insert(body).unwrap()
+            })
+            .collect();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
+        let mut events = Vec::new();
+        monitor.advance(0.0, &mut events).unwrap();
+        let mut spans = 0;
+        for frame in 1..=FRAMES {
+            let now = frame as f64 / 60.0;
+            let first = if is_same { 0 } else { frame * TOLD };
+            let told = ids.iter().cycle().skip(first).take(TOLD);
+            let told = told.map(|&id| (id, State::new(now, vector(rng, HALF), vector(rng, 5.0))));
+            monitor.track(now, told.collect::<Vec<_>>()).unwrap();
+            monitor.advance(now, &mut events).unwrap();
+            spans += monitor.stats().spans;
+            if frame % 4 == 0 {
+                is_as_screened(&monitor, LEVEL);
+            }
+        }
+        let teleports = (FRAMES * TOLD) as u64;
+        assert!(events.len() > 200, "{}", events.len());
+        assert!(spans < 25 * teleports, "{spans} of {teleports}");
+    }
+}

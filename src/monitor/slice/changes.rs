@@ -2,6 +2,7 @@
 
 use super::state::LimitedAdmission;
 use super::{BoxIndex, BuildStage, LookaheadSlice, SliceScratch, SliceTask};
+use crate::broad_phase::BodyBox;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
 impl LookaheadSlice {
@@ -28,6 +29,7 @@ impl LookaheadSlice {
         let changed = self.changed.slots().len();
         self.box_changed(task.bodies, task.moved, scratch);
         self.index.boxes.move_to(&scratch.listed);
+        self.index.list_places(&mut scratch.listed);
         let all_changed = std::mem::take(&mut self.changed);
         // Of two changed bodies, the one in the higher slot finds the other one.
         self.list_meeting(filter, scratch, |moved, other| {
@@ -55,6 +57,7 @@ impl LookaheadSlice {
                     fat_lines[boxed.body as usize] = *fat_line;
                     listed.push(*boxed);
                 }
+                self.index.note_places(bodies, listed, self.interval);
             }
             _ => {
                 let changed = self.changed.slots().iter().copied();
@@ -68,6 +71,21 @@ impl LookaheadSlice {
         for &slot in self.changed.slots() {
             if boxed.next_if_eq(&slot).is_none() {
                 self.index.boxes.remove(slot);
+            }
+        }
+    }
+}
+
+impl BoxIndex {
+    /// Replaces the boxes of bodies that teleport in a list by those of their places.
+    fn list_places(&self, listed: &mut Vec<BodyBox>) {
+        for number in 0..listed.len() {
+            let body = listed[number].body;
+            let places = self.places(body).into_iter().flatten();
+            let mut boxes = places.map(|&(_, aabb)| BodyBox { aabb, body });
+            if let Some(first) = boxes.next() {
+                listed[number] = first;
+                listed.extend(boxes);
             }
         }
     }

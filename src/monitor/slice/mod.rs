@@ -40,6 +40,7 @@ impl LookaheadSlice {
         self.stage = BuildStage::default();
         self.due_share = 0.0;
         self.boxed.clear();
+        self.index.places.clear();
         self.candidates.clear();
         self.refined = 0;
         self.has_exceeded_limit = false;

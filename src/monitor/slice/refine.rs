@@ -1,8 +1,9 @@
 //! From the candidates of a slice to spans; or, if there are too many candidates, by searches of shorter slices.
 
-use super::state::{LookaheadSlice, SliceScratch, SliceTask};
+use super::state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};
 use crate::monitor::prepared::PreparedBodies;
+use crate::narrow_phase::approaching;
 use crate::search::RefineContext;
 use crate::window::Window;
 
@@ -42,14 +43,32 @@ impl LookaheadSlice {
             margin: bodies.grid.margin,
             max_spans: usize::MAX,
         };
-        let changed = &self.changed;
+        let (changed, index, interval) = (&self.changed, &self.index, self.interval);
         let pair = |Candidate { a, b }| {
             let is_wanted = !changed.has(a) && !changed.has(b) && filter.admits(a, b);
-            is_wanted.then_some([a, b])
+            (is_wanted && index.may_be_near([a, b], interval)).then_some([a, b])
         };
         let some = &self.candidates[first..self.refined];
         let found = &mut self.survivors;
         self.stats.spans += scratch.refiner.refine(&context, some, pair, found);
         self.refined - first
+    }
+}
+
+impl BoxIndex {
+    /// Returns true if two bodies whose fat lines approach each other in an interval (s) do so at their places before and after
+    /// they teleport, too.
+    fn may_be_near(&self, pair: [u32; 2], interval: (f64, f64)) -> bool {
+        let places = pair.map(|slot| self.places(slot));
+        if let [None, None] = places {
+            return true;
+        }
+        let [a, b] = [0, 1].map(|one| {
+            let whole = &self.fat_lines[pair[one] as usize];
+            let lines = places[one].into_iter().flatten().map(|(line, _)| line);
+            lines.chain(places[one].is_none().then_some(whole))
+        });
+        a.into_iter()
+            .any(|a| b.clone().any(|b| approaching(a, b, interval).is_some()))
     }
 }
