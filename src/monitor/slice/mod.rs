@@ -7,7 +7,7 @@ mod state;
 
 use super::bodies::BodyTable;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
-use crate::count::{as_f64, whole};
+use crate::count::{as_f64, short, whole};
 use crate::search::LimitExceeded;
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -15,16 +15,13 @@ pub(super) use state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
 use state::{BuildStage, LimitedAdmission};
 
 impl LookaheadSlice {
-    /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
+    /// Boxes formed or compared, or candidates looked at, before a budget is looked at: some tenths of a
     /// millisecond.
     const STEP: usize = 1024;
 
     /// Share of the work for a slice that forms its boxes and places them in the tree; the rest compares
     /// them.
     const PLACING: f64 = 0.6;
-
-    /// Leaves compared before a budget is looked at: they hold about `STEP` bodies.
-    const STEP_LEAVES: usize = 100;
 
     /// Memory for so many candidates, and four for each body, is kept when all are refined. More is given
     /// back: there are many slices.
@@ -116,14 +113,14 @@ impl LookaheadSlice {
         self.due_of(bodies.monitored.len(), (0.0, Self::PLACING))
     }
 
-    /// Returns how many leaves are to be compared now.
-    fn due_leaves(&self) -> usize {
-        self.due_of(self.index.boxes.leaves(), (Self::PLACING, 1.0))
+    /// Returns how many slots are to be compared with lower ones now.
+    fn due_joined(&self, bodies: &BodyTable<'_>) -> usize {
+        self.due_of(bodies.monitored.len(), (Self::PLACING, 1.0))
     }
 
     /// Returns true if all bodies have their boxes in the tree.
     pub(super) const fn is_placed(&self) -> bool {
-        matches!(self.stage, BuildStage::Joining(..) | BuildStage::Built)
+        matches!(self.stage, BuildStage::Joining(_) | BuildStage::Built)
     }
 
     /// Returns true if all that is due is compared: the slice is *fresh*.
@@ -134,11 +131,7 @@ impl LookaheadSlice {
             BuildStage::Listing(_) => return self.due_share < 1.0,
             // When all boxes are placed, joining has to begin: the slice is not fresh.
             BuildStage::Placing(slots) => self.due_share < 1.0 && has_all(slots),
-            BuildStage::Joining(leaves, order) => {
-                self.due_share < 1.0
-                    && leaves >= self.due_leaves()
-                    && order == self.index.boxes.resort_count()
-            }
+            BuildStage::Joining(slots) => self.due_share < 1.0 && slots >= self.due_joined(bodies),
             BuildStage::Compared(_) | BuildStage::Built => true,
         };
         is_there
@@ -291,18 +284,18 @@ impl LookaheadSlice {
             }
             BuildStage::Placing(_) => {
                 self.index.boxes.fit();
-                self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());
+                self.stage = BuildStage::Joining(0);
                 0
             }
-            BuildStage::Joining(leaves, order) if self.changed.slots().is_empty() => {
-                self.join(filter, leaves, order, scratch);
+            BuildStage::Joining(slots) if self.changed.slots().is_empty() => {
+                self.join(bodies, filter, slots, scratch);
                 0
             }
             BuildStage::Listing(_) => {
                 self.build(bodies, filter, scratch);
                 0
             }
-            BuildStage::Joining(..) | BuildStage::Built | BuildStage::Compared(_) => {
+            BuildStage::Joining(_) | BuildStage::Built | BuildStage::Compared(_) => {
                 self.compare_changed(task, filter, scratch)
             }
         }
@@ -337,31 +330,24 @@ impl LookaheadSlice {
         self.changed.clear();
     }
 
-    /// Compares the bodies in the next leaves with all others. Each body is compared with those in lower slots only, so
-    /// that each pair is found once.
+    /// Compares the bodies in slots from `first` on with those in lower slots, so that each pair is found once: as many as
+    /// are due, but not too many at a time.
     fn join(
         &mut self,
+        bodies: &BodyTable<'_>,
         filter: &LimitedAdmission<'_>,
-        leaves: usize,
-        order: u32,
+        first: usize,
         scratch: &mut SliceScratch,
     ) {
-        let first = if order == self.index.boxes.resort_count() {
-            leaves
-        } else {
-            0
-        };
-        let until = self.due_leaves().min(first + Self::STEP_LEAVES);
+        let until = self.due_joined(bodies).min(first + Self::STEP);
         scratch.listed.clear();
-        let listed = &mut scratch.listed;
-        self.index
-            .boxes
-            .each(first..until, |body| listed.push(body));
+        let boxes = (first..until).filter_map(|slot| self.index.boxes.get(short(slot)));
+        scratch.listed.extend(boxes);
         self.list_meeting(filter, scratch, |own, other| other < own);
-        let stage = if until == self.index.boxes.leaves() {
+        let stage = if until == bodies.monitored.len() {
             BuildStage::Built
         } else {
-            BuildStage::Joining(until, self.index.boxes.resort_count())
+            BuildStage::Joining(until)
         };
         self.end_at(stage, filter);
     }
@@ -380,8 +366,7 @@ impl LookaheadSlice {
         }
         let SliceScratch { sweep, listed, .. } = scratch;
         listed.clear();
-        let boxes = &self.index.boxes;
-        boxes.each(0..boxes.leaves(), |body| listed.push(body));
+        listed.extend(self.index.boxes.iter());
         sweep.pairs(listed, filter, &mut self.candidates);
         self.end_at(BuildStage::Built, filter);
         if self.stage == BuildStage::Built {
