@@ -239,18 +239,15 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<f64, LimitExceeded> {
         let scene = work.admission.scene;
-        let is_from_nothing = self.is_cheaper_from_nothing(scene, lookahead, lookahead.0 - from);
-        let is_all_affordable = !work.meter.has_limit() || self.affordable.is_all();
-        let is_unknown = is_from_nothing || is_all_affordable && self.has_no_boxes(lookahead.1);
-        let is_unknown_again = is_unknown && self.was_unknown(scene, lookahead);
+        let clock_slice = self.grid.start(self.index(lookahead.0));
+        let is_unknown_again = self.is_unknown_again(scene, lookahead, (from, clock_slice), work);
         let changed = (self.has_changed(), is_unknown_again);
         let affordable = &mut self.affordable;
         let to = affordable.end_of_search(lookahead, changed, &mut work.meter);
-        let clock_slice = self.grid.start(self.index(lookahead.0));
+        let mut screens = is_unknown_again && !work.meter.may_stop();
         self.query_indexes.clear();
         self.forget_changed_pairs();
         self.half_spaces.note(&self.monitored, self.changed.slots());
-        let mut is_from_nothing = Some(is_from_nothing);
         loop {
             self.survivors.clear();
             let mut known = to;
@@ -263,8 +260,9 @@ impl LookaheadSearch {
                 known = self.half_spaces.list_spans(&bodies, times, work, found)?;
                 work.stats.narrow_time += begin.elapsed();
             }
+            let screens = std::mem::take(&mut screens);
             let (compared_until, is_done) =
-                self.search_slices((from, clock_slice, to), is_from_nothing.take(), work)?;
+                self.search_slices((from, clock_slice, to), screens, work)?;
             let complete_until = compared_until.min(known);
             self.changed.clear();
             let begin = Instant::now();
@@ -297,13 +295,13 @@ impl LookaheadSearch {
     }
 
     /// Brings what is not up to date from `from` to `to` (s) up to date, until the budget is spent. `clock_slice` is the
-    /// beginning of the slice of the clock (s). Lists survivors, as many as are solved at a time. Returns the instant up to
-    /// which all is up to date, and false if another call is to go on once these survivors are solved.
-    /// `is_from_nothing` is not given to that.
+    /// beginning of the slice of the clock (s). If it `screens`, all of the lookahead is searched from nothing. Lists
+    /// survivors, as many as are solved at a time. Returns the instant up to which all is up to date, and false if another
+    /// call, which screens nothing, is to go on once these survivors are solved.
     fn search_slices(
         &mut self,
         (mut from, clock_slice, to): (f64, f64, f64),
-        is_from_nothing: Option<bool>,
+        screens: bool,
         work: &mut TickWork<'_>,
     ) -> Result<(f64, bool), LimitExceeded> {
         let jump = (self.laid_until(from), clock_slice);
@@ -317,10 +315,7 @@ impl LookaheadSearch {
         }
         self.drop_before(from);
         let needed = self.lay_slices(from, to);
-        let scene = work.admission.scene;
-        if is_from_nothing.is_some_and(|is| self.is_unknown_again(scene, (from, to), (is, needed)))
-            && !work.meter.may_stop()
-        {
+        if screens {
             self.screen((from, to), needed, work)?;
             if !work.admission.gives_up() {
                 return Ok((to, true));

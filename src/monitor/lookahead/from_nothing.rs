@@ -8,7 +8,7 @@ use super::super::grid::Grid;
 use super::super::prepared::PreparedBodies;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
-use crate::count::{are_most, as_f64};
+use crate::count::as_f64;
 use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::Scene;
 use crate::search::{LimitExceeded, Limits};
@@ -45,16 +45,18 @@ impl LookaheadSearch {
     }
 
     /// Returns true if so much is to be compared that a search of a lookahead (first and last instant, s) from nothing takes
-    /// less time than kept boxes: many bodies have changed, or the clock, which goes on by `step` (s), reaches a large share of
-    /// a slice, in which all bodies are new.
-    pub(super) fn is_cheaper_from_nothing(
+    /// less time than kept boxes: many bodies have changed, or the clock, which goes on from an instant to the beginning of
+    /// its slice (s), reaches a large share of a slice, in which all bodies are new.
+    fn is_cheaper_from_nothing(
         &self,
         scene: &Scene,
         lookahead: (f64, f64),
-        step: f64,
+        (from, clock_slice): (f64, f64),
     ) -> bool {
         let (changed, all) = (self.changed.slots().len(), self.monitored.bodies());
-        let new = as_f64(all) * (step / (lookahead.1 - lookahead.0 + self.grid.length));
+        let step = (lookahead.0 - from) / (lookahead.1 - lookahead.0 + self.grid.length);
+        let is_new = self.is_jump((self.laid_until(from), clock_slice));
+        let new = as_f64(all) * if is_new { 1.0 } else { step };
         let is_more = |cubics: f64| {
             as_f64(changed) + new > self.cost_from_nothing(lookahead, cubics) * as_f64(all)
         };
@@ -72,7 +74,7 @@ impl LookaheadSearch {
 
     /// Returns true if most was unknown so few ticks before that boxes of all bodies would not have paid: forming them takes
     /// longer than it would to search the lookahead (first and last instant, s) from nothing in all these ticks.
-    pub(super) fn was_unknown(&self, scene: &Scene, lookahead: (f64, f64)) -> bool {
+    fn was_unknown(&self, scene: &Scene, lookahead: (f64, f64)) -> bool {
         /// Time in which the boxes of all bodies are formed, sorted and compared, in times that it takes to compare all
         /// bodies with kept ones. (Measured with 10,000 balls, 2 s ahead.)
         const FORM: f64 = 2.0;
@@ -85,47 +87,41 @@ impl LookaheadSearch {
     }
 
     /// Returns true if something has changed, and no slice that begins before an instant (s) has boxes to compare it with.
-    pub(super) fn has_no_boxes(&self, to: f64) -> bool {
+    fn has_no_boxes(&self, to: f64) -> bool {
         let mut slices = self.slices.iter();
         let has_boxes = slices.any(|slice| slice.is_placed() && slice.interval.0 <= to);
         !(self.changed.slots().is_empty() || has_boxes)
     }
 
     /// Returns true if a lookahead (first and last instant, s) is to be searched from nothing: [it is
-    /// cheaper](Self::is_cheaper_from_nothing), or [most is unknown](Self::is_mostly_unknown), or [there are no
-    /// boxes](Self::has_no_boxes); and [most was unknown](Self::was_unknown) a few ticks before. (All is unknown at the first
-    /// tick of a monitor. That tick forms the boxes of slices.)
+    /// cheaper](Self::is_cheaper_from_nothing), or [there are no boxes](Self::has_no_boxes) and the budget suffices for all
+    /// of it; and [most was unknown](Self::was_unknown) a few ticks before. (All is unknown at the first tick of a monitor.
+    /// That tick forms the boxes of slices.)
     pub(super) fn is_unknown_again(
         &mut self,
         scene: &Scene,
         lookahead: (f64, f64),
-        (is_from_nothing, needed): (bool, usize),
+        clock: (f64, f64),
+        work: &TickWork<'_>,
     ) -> bool {
         /// Ticks that a tick before which nothing changed counts as: only new time is searched in it, and boxes would save
         /// little.
         const IDLE: f64 = 1.0 / 16.0;
-        if is_from_nothing || self.is_mostly_unknown(needed) {
-            let is_again = self.was_unknown(scene, lookahead);
-            self.since_unknown = Some(0.0);
-            return is_again;
-        }
-        let is_again = self.has_no_boxes(lookahead.1) && self.was_unknown(scene, lookahead);
+        let is_from_nothing = self.is_cheaper_from_nothing(scene, lookahead, clock);
+        let is_all_affordable = !work.meter.has_limit() || self.affordable.is_all();
+        let is_unknown = is_from_nothing || is_all_affordable && self.has_no_boxes(lookahead.1);
+        let is_again = is_unknown && self.was_unknown(scene, lookahead);
         let tick = if self.changed.slots().is_empty() {
             IDLE
         } else {
             1.0
         };
-        self.since_unknown = self.since_unknown.map(|ticks| ticks + tick);
+        self.since_unknown = if is_from_nothing {
+            Some(0.0)
+        } else {
+            self.since_unknown.map(|ticks| ticks + tick)
+        };
         is_again
-    }
-
-    /// Returns true if more than three quarters of the bodies are to be compared with all others, in the
-    /// mean of the slices that are needed: most slices are new.
-    fn is_mostly_unknown(&self, needed: usize) -> bool {
-        let (changed, all) = (self.changed.slots().len(), self.monitored.bodies());
-        let slices = self.slices.iter().take(needed);
-        let unknown = slices.map(|slice| slice.unknown(changed, all)).sum();
-        are_most(unknown, all * needed)
     }
 
     /// Returns the window in which a lookahead (first and last instant, s) is searched, within the needed slices. It

@@ -149,15 +149,6 @@ impl LookaheadSlice {
         }
     }
 
-    /// Returns how many bodies are to be compared with all others, if so many out of all change.
-    pub(super) fn unknown(&self, changed: usize, all: usize) -> usize {
-        if matches!(self.stage, BuildStage::Listing(_)) {
-            all
-        } else {
-            all.min(changed + self.changed.slots().len())
-        }
-    }
-
     /// Appends the admitted pairs of a listed box with another body whose box it overlaps, if `wanted` returns true
     /// for the two bodies; not all if the filter gives up.
     fn list_meeting(
