@@ -45,9 +45,8 @@ pub(super) struct GridReview {
     bodies: usize,
     /// The clock then, s.
     now: f64,
-    /// Number of changes of bodies since, and the number from which on another comparison is due.
+    /// Number of changes of bodies since.
     pub(super) changes: usize,
-    enough: usize,
 }
 
 impl GridReview {
@@ -55,24 +54,19 @@ impl GridReview {
     const FEW: usize = 64;
 
     /// Returns the trigger after a comparison of the grid with a scene of so many bodies, at a time (s).
-    pub(super) fn after_comparison(bodies: usize, now: f64) -> Self {
+    pub(super) const fn after_comparison(bodies: usize, now: f64) -> Self {
         Self {
             bodies,
             now,
             changes: 0,
-            enough: bodies.max(Self::FEW),
         }
-    }
-
-    /// Notes that a comparison was costly and kept the grid: the next one comes later.
-    pub(super) const fn was_in_vain(&mut self) {
-        self.enough = self.enough.saturating_mul(64);
     }
 
     /// Returns true if another comparison is due: many bodies were added, removed or changed, or a lookahead has passed.
     pub(super) fn is_due(&self, bodies: usize, now: f64, lookahead: f64) -> bool {
         let is_about_as_large = bodies <= 2 * self.bodies && self.bodies <= 2 * bodies;
-        !is_about_as_large || self.changes >= self.enough || now >= self.now + lookahead
+        let is_changed = self.changes >= self.bodies.max(Self::FEW);
+        !is_about_as_large || is_changed || now >= self.now + lookahead
     }
 }
 

@@ -388,16 +388,15 @@ impl LookaheadSearch {
             limits,
             pool: &self.search_pool,
         };
-        let (moved, first) = (&self.moved, slices[0].number);
+        let moved = &self.moved;
         let boxes = slices.iter().map(|slice| slice.missing(&bodies)).sum();
         let (found, pool) = (AtomicUsize::new(0), &self.pool);
-        parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |_, slices| {
+        parallel::for_each_chunk(slices, 1, (boxes, FEW_BOXES), |number, slices| {
             for slice in slices {
                 if found.load(Relaxed) > most {
                     // The survivors found so far are solved first: there may be no room for more.
                     return;
                 }
-                let number = usize::try_from(slice.number - first).unwrap_or(usize::MAX);
                 let moved = (number < needed).then_some((moved, number));
                 let task = SliceTask { moved, ..alone };
                 slice.refresh(&task, &mut pool.take(), |_| true);

@@ -61,7 +61,6 @@ impl Monitor {
         }
         let other = Grid::for_scene(&self.scene, margin, lookahead, now)?;
         if can_stay && self.search.grid.serves(&self.scene, &other) {
-            self.grid_review.was_in_vain();
             self.search.grid.confirm(&other);
             return Ok(());
         }
