@@ -5,7 +5,7 @@
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
 use super::super::grid::Grid;
-use super::super::prepared::PreparedBodies;
+use super::super::search_from_nothing::SearchFromNothing;
 use super::LookaheadSearch;
 use crate::broad_phase::PairFilter;
 use crate::count::as_f64;
@@ -13,7 +13,6 @@ use crate::rounding::{earliest_exact, latest_exact};
 use crate::scene::Scene;
 use crate::search::{LimitExceeded, Limits};
 use crate::stats::Stats;
-use crate::wall_clock::Instant;
 
 impl LookaheadSearch {
     /// Survivors for each span that there is room for: a survivor takes a fiftieth of the memory of a solved span.
@@ -144,21 +143,21 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<(), LimitExceeded> {
         let (admission, meter) = (&work.admission, &mut work.meter);
-        let limits = self.limits();
         let window = self.window_of(lookahead);
-        let table = BodyTable::of(admission.scene, &self.monitored, &self.grid);
-        let begin = Instant::now();
-        let pool = &self.search_pool;
-        let (bodies, statistics) =
-            PreparedBodies::in_window(table, limits, pool, (window, meter.threads()));
-        let slicing = (&bodies.slices_of_search_length(window), &statistics);
-        work.stats.bounds_time += begin.elapsed();
+        let search = SearchFromNothing {
+            limits: self.limits(),
+            table: BodyTable::of(admission.scene, &self.monitored, &self.grid),
+            pool: &self.search_pool,
+            threads: meter.threads(),
+        };
         let mut counted = Stats::default();
         let found = (&mut self.survivors, &mut counted);
-        bodies.list_spans(slicing, admission, found)?;
+        search.list_spans(window, None, admission, found)?;
         if admission.gives_up() {
             return Ok(());
         }
+        // The slices of the lookahead are counted.
+        counted.slices = 0;
         meter.count(usize::try_from(counted.boxes + counted.candidates).unwrap_or(0));
         work.stats += counted;
         for (number, slice) in self.slices.iter_mut().enumerate() {

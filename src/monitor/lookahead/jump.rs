@@ -7,7 +7,7 @@
 
 use super::super::bodies::BodyTable;
 use super::super::budget::TickWork;
-use super::super::prepared::PreparedBodies;
+use super::super::search_from_nothing::SearchFromNothing;
 use super::LookaheadSearch;
 use crate::accuracy::Accuracy;
 use crate::broad_phase::PairFilter;
@@ -43,10 +43,13 @@ impl LookaheadSearch {
         work: &mut TickWork<'_>,
     ) -> Result<Option<f64>, LimitExceeded> {
         let length = self.grid.length;
-        let table = BodyTable::of(work.admission.scene, &self.monitored, &self.grid);
-        let (pool, window) = (&self.search_pool, ((from, to), work.meter.threads()));
-        let (bodies, _) = PreparedBodies::in_window(table, self.limits(), pool, window);
         let (admission, meter) = (&work.admission, &mut work.meter);
+        let search = SearchFromNothing {
+            limits: self.limits(),
+            table: BodyTable::of(admission.scene, &self.monitored, &self.grid),
+            pool: &self.search_pool,
+            threads: meter.threads(),
+        };
         let (chunk, slice) = self.jump.get_or_insert((length, length));
         // What has changed since the last call counts from there on, with all instants that are rounded to it.
         let mut at = earliest_exact(from);
@@ -62,29 +65,25 @@ impl LookaheadSearch {
                 return Ok(Some(at.max(from)));
             }
             let end = (at + *chunk).min(to.min(until));
-            let window = (at, end);
-            let (slices, statistics) = bodies.cheapest_slices(window, *slice, admission);
-            let (slicing, mut counted) = ((&slices, &statistics), Stats::default());
+            let mut counted = Stats::default();
             let found = (&mut self.survivors, &mut counted);
-            bodies.list_spans(slicing, admission, found)?;
+            *slice = search.list_spans((at, end), Some(*slice), admission, found)?;
             if admission.gives_up() {
                 return Ok(Some(at.max(from)));
             }
             let examined = counted.boxes + counted.candidates;
             let examined = usize::try_from(examined).unwrap_or(usize::MAX);
-            counted.slices = u64::from(slices.count());
             work.stats += counted;
             meter.count(examined.saturating_add(1));
-            *slice = slices.length();
             if meter.may_leave_work() {
-                turning.list(&self.survivors, &table);
-                if let Some(end) = turning.end_of_few(&table, (at, end), length) {
+                turning.list(&self.survivors, &search.table);
+                if let Some(end) = turning.end_of_few(&search.table, (at, end), length) {
                     *chunk = (end - at).max(length);
                     return Ok(Some(end.max(from)));
                 }
             }
             at = end;
-            let little = Self::LITTLE.0 + Self::LITTLE.1 * bodies.len();
+            let little = Self::LITTLE.0 + Self::LITTLE.1 * self.monitored.len();
             let factor = if examined < little { 2.0 } else { 0.5 };
             *chunk = (factor * *chunk).max(length);
         }

@@ -2,9 +2,10 @@
 
 use super::state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
 use crate::broad_phase::{Candidate, PairFilter};
-use crate::monitor::prepared::PreparedBodies;
+use crate::monitor::search_from_nothing::SearchFromNothing;
 use crate::narrow_phase::approaching;
 use crate::search::RefineContext;
+use crate::stats::Stats;
 use crate::window::Window;
 
 impl LookaheadSlice {
@@ -16,17 +17,24 @@ impl LookaheadSlice {
         // Late on the clock they may be shorter than the way to the next instant.
         let end = (from + SLICES * bodies.grid.search_length).max(from.next_up());
         let end = end.min(self.interval.1);
-        let (prepared, statistics) =
-            PreparedBodies::in_window(*bodies, task.limits, task.pool, ((from, end), 1));
-        let before = self.stats.boxes;
-        let slicing = (&prepared.slices_of_search_length((from, end)), &statistics);
-        let found = (&mut self.survivors, &mut self.stats);
-        let done = prepared.list_spans(slicing, filter, found);
+        let search = SearchFromNothing {
+            table: *bodies,
+            limits: task.limits,
+            pool: task.pool,
+            threads: 1,
+        };
+        let (window, mut counted) = ((from, end), Stats::default());
+        let found = (&mut self.survivors, &mut counted);
+        let done = search.list_spans(window, None, filter, found);
+        let boxes = counted.boxes;
+        // The slice is counted as one.
+        counted.slices = 0;
+        self.stats += counted;
         self.has_exceeded_limit |= done.is_err();
         if !filter.gives_up() {
             self.search_from = Some(end).filter(|&end| end < self.interval.1);
         }
-        usize::try_from(self.stats.boxes - before).unwrap_or(usize::MAX)
+        usize::try_from(boxes).unwrap_or(usize::MAX)
     }
 
     /// Keeps the spans of some more candidates that cheap tests cannot rule out. Bodies that have
