@@ -37,7 +37,9 @@
 //!    pairs are compared. It *gives up* to end a search early, incomplete. (The field
 //!    `filter` of `Layers` is a bit mask.)
 //! 6. `search`: a window or a lookahead is cut into *slices*, formed in *blocks* of a few. Bodies are *present*
-//!    where their *lifetimes* overlap a block. A body that is told another place *teleports*: it has a box at each. Candidates whose fat lines come near each other are *near pairs*.
+//!    where their *lifetimes* overlap a block. A body that is told another place *teleports*: it has a box at each.
+//!    Boxes of a crowded slice make *islands*, which empty space separates: each is searched in a frame of its own, amid its
+//!    bodies and with their common velocity. Boxes are *coarse* where f32 rounding makes up most of them. Candidates whose fat lines come near each other are *near pairs*.
 //!    The spans of these that cheap tests leave are the *survivors*. The first of these tests compares the hulls
 //!    of two cubics in f32 (`HullTest`). The tests reject only what exceeds the threshold by the *clearance*,
 //!    512 roundings. The *pace* of slices tells when which share of the bodies' time has passed.

@@ -105,7 +105,9 @@
 //!   and their parts implement `Serialize` and `Deserialize`. Before version 1.0 a minor version may change their form;
 //!   a recording names its own. Turn on `float_roundtrip` of `serde_json`: without it the last bits of numbers change when
 //!   they are read. A scene then has other conflicts in their last bits, and a restored snapshot reports events at other
-//!   times, by some 1e-14 s. (`recording` turns it on.)
+//!   times, by some roundings of the clock: 1e-14 s near 0, 1e-6 s at Unix times, where their number may differ, too. Knots
+//!   that are a rounding apart are refused then. (`recording` turns it on.) JSON has no NaN and no infinity: in a query, an
+//!   alert level or a state they are written as `null`, which is refused when it is read.
 //! - `recording`: `Monitor::start_recording` records a monitor's inputs, and
 //!   `recording::Replay` replays them, bit for bit. Turns `serde` on.
 //! - `mint`: [`State::new`] takes `mint::Vector3<f64>`, to which vectors of other libraries, and of other versions of

@@ -24,7 +24,7 @@ const MORE: usize = 25;
 pub(crate) fn open(arguments: Arguments) -> Result<(), Failure> {
     let has_display = ["DISPLAY", "WAYLAND_DISPLAY"]
         .iter()
-        .any(|name| std::env::var_os(name).is_some());
+        .any(|name| std::env::var_os(name).is_some_and(|display| !display.is_empty()));
     if cfg!(target_os = "linux") && !has_display {
         return Err("there is no display for a window: run it with --headless".into());
     }
@@ -40,13 +40,17 @@ pub(crate) fn open(arguments: Arguments) -> Result<(), Failure> {
         draw_call_index_capacity: 60_000,
         ..Settings::default()
     };
-    macroquad::Window::from_config(settings, async move {
-        if let Err(error) = play(arguments).await {
-            terminal::complain(format_args!("error: {error}"));
-            std::process::exit(1);
-        }
-    });
-    Ok(())
+    let window = move || {
+        macroquad::Window::from_config(settings, async move {
+            if let Err(error) = play(arguments).await {
+                terminal::complain(format_args!("error: {error}"));
+                std::process::exit(1);
+            }
+        });
+    };
+    // The library has no other way to say that a display cannot be opened.
+    let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(window));
+    done.map_err(|_| "the window failed: without a display, run it with --headless".into())
 }
 
 async fn play(arguments: Arguments) -> Result<(), Failure> {

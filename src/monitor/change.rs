@@ -24,7 +24,7 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
-    /// through the lookahead; [`Error::SceneFull`].
+    /// through the lookahead, or with [`Error::TurningHalfSpace`]; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
         let ids = self.apply([Command::Insert(body)])?;
         ids.first().copied().ok_or(Error::SceneFull)

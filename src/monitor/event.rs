@@ -65,7 +65,7 @@ pub struct Encounter {
     /// clock of [`Monitor::new`](crate::Monitor::new) or [`Monitor::skip_to`](crate::Monitor::skip_to).
     pub enter: f64,
     /// Last instant within the level's release margin, s; while `open`, the end of the examined
-    /// time.
+    /// time, or of that of an earlier tick if a budget has left less of it.
     pub exit: f64,
     /// True while the end is unknown: it lies beyond the time that the monitor has examined.
     pub open: bool,
@@ -74,7 +74,7 @@ pub struct Encounter {
     /// reports the nearest point when the lookahead reaches it. Before that, once a lookahead, it reports the nearest
     /// point so far. Its
     /// [`model_error`](ClosestApproach::model_error) is that of the bodies as they are now, also where the nearest
-    /// point has passed.
+    /// point has passed; under a budget, once the monitor has [caught up](crate::Monitor::is_caught_up).
     pub closest: ClosestApproach,
 }
 

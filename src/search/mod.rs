@@ -1,8 +1,9 @@
 //! The search for spans that may hold a contact, for screenings and monitors.
 //!
 //! Time is cut into slices. In each slice every body has a box, and a *fat line*, a closer bound: a line with a
-//! radius. (A body that is told another place within the slice *teleports*: it has two of each.) Overlapping boxes
-//! give candidates, and cheap tests leave spans of these. Bodies are known by numbers alone ([`Bodies`]): dense ones
+//! radius. (A body that is told another place within the slice *teleports*: it has some of each for every place.) Overlapping
+//! boxes give candidates, and cheap tests leave spans of these. A slice with many candidates is searched island by island
+//! or in parts. Bodies are known by numbers alone ([`Bodies`]): dense ones
 //! in a screening, slots in a monitor. [`WindowSearch`] searches a whole window. [`CandidateRefiner`] is its last
 //! part, which a monitor's slices use directly.
 //!

@@ -60,7 +60,7 @@ impl<R: Real> SpanBatch<R> {
     ///
     /// `offset` (m) is added to the position of `a` relative to `b`: the difference of the spheres'
     /// centres in their bodies' frames. `threshold` (m) is the distance asked about; nothing comes
-    /// within a negative one.
+    /// within a negative one, whatever the span.
     #[inline]
     pub fn push(
         &mut self,
