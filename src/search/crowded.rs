@@ -2,6 +2,7 @@
 
 use super::box_sizes::BoxSizes;
 use super::form::{SliceBlock, SliceBounds};
+use super::limits::are_coarse;
 use super::window::SlicePart;
 use super::{BoxedBodies, LimitExceeded, SearchScratch, WindowSearch};
 use crate::broad_phase::{Candidate, PairFilter};
@@ -27,8 +28,8 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             frame,
         } = part;
         let Some(islands) = bounds.islands() else {
-            let room = self.limits.candidates_of_slice(bounds.boxes.len());
-            let is_coarse = bounds.is_coarse();
+            let room = self.limits.candidates_of_slice(bounds.boxes.len(), false);
+            let is_coarse = are_coarse(&bounds.fat_lines);
             return if is_coarse && self.search_whole(part, room, filter, stats, scratch)? {
                 Ok(())
             } else {
@@ -94,14 +95,9 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
 
     /// Returns the largest number of candidates of a slice before it is divided.
     pub(super) fn room_of(&self, bounds: &SliceBounds) -> u64 {
-        /// More candidates per box cost more than islands, in frames of their own, where most are near each other by rounding.
-        const CANDIDATES_PER_COARSE_BOX: usize = 2;
-        let boxes = bounds.boxes.len();
-        if bounds.is_coarse() {
-            (CANDIDATES_PER_COARSE_BOX * boxes) as u64
-        } else {
-            self.limits.candidates_of_slice(boxes)
-        }
+        let is_coarse = are_coarse(&bounds.fat_lines);
+        self.limits
+            .candidates_of_slice(bounds.boxes.len(), is_coarse)
     }
 
     /// Searches a part with many candidates per box. It is halved while the

@@ -14,19 +14,6 @@ pub(super) struct Island {
 }
 
 impl SliceBounds {
-    /// Returns true if rounding makes up most of the boxes of several bodies of a sample: the frame's origin is far from them.
-    pub(super) fn is_coarse(&self) -> bool {
-        const SAMPLED: usize = 32;
-        /// One may be an outlier.
-        const SEVERAL: usize = 2;
-        let stride = self.fat_lines.len().div_ceil(SAMPLED).max(1);
-        let sample = self.fat_lines.iter().step_by(stride);
-        sample
-            .filter(|line| line.is_coarse())
-            .nth(SEVERAL - 1)
-            .is_some()
-    }
-
     /// Returns the islands that the boxes make, or `None` if one of them has all bodies. Pairs of bodies that may be near each
     /// other are in one island.
     pub(super) fn islands(&self) -> Option<Vec<Island>> {

@@ -1,4 +1,6 @@
-//! Limits on the finds of a search, which bound its memory.
+//! Limits on the finds of a search, which bound its memory and its time.
+
+use crate::bounds::FatLine;
 
 /// The limits of one search.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +31,19 @@ impl Limits {
         }
     }
 
-    /// Returns the largest number of candidates of a slice before it is divided. More candidates
-    /// per box cost more than the boxes of two halves, if those have few.
-    pub(crate) fn candidates_of_slice(&self, bodies: usize) -> u64 {
+    /// Returns the largest number of candidates of a slice before it is divided; less if its boxes are [coarse](are_coarse).
+    /// More candidates per box cost more than the boxes of two halves, if those have few, or than those of islands.
+    pub(crate) fn candidates_of_slice(&self, bodies: usize, is_coarse: bool) -> u64 {
         const CANDIDATES_PER_BOX: u64 = 32;
+        const CANDIDATES_PER_COARSE_BOX: u64 = 2;
         /// Slices with fewer candidates are never divided.
         const FEW: u64 = 1 << 16;
-        let most = self.candidates;
-        (CANDIDATES_PER_BOX * bodies as u64).clamp(FEW.min(most), most)
+        let (most, bodies) = (self.candidates, bodies as u64);
+        if is_coarse {
+            (CANDIDATES_PER_COARSE_BOX * bodies).min(most)
+        } else {
+            (CANDIDATES_PER_BOX * bodies).clamp(FEW.min(most), most)
+        }
     }
 
     /// Checks a number of spans.
@@ -51,4 +58,13 @@ impl Limits {
             Ok(())
         }
     }
+}
+
+/// Returns true if f32 rounding makes up most of the bounds of half the bodies, told by a sample of the fat lines: the frame's
+/// origin is far from them.
+pub(crate) fn are_coarse(lines: &[FatLine]) -> bool {
+    const SAMPLED: usize = 32;
+    let sample = lines.iter().step_by(lines.len().div_ceil(SAMPLED).max(1));
+    let (all, coarse) = (sample.len(), sample.filter(|line| line.is_coarse()).count());
+    all > 0 && 2 * coarse >= all
 }

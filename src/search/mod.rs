@@ -34,7 +34,7 @@ pub(crate) use form::SliceBlock;
 pub(crate) use form::SliceBounds;
 pub(crate) use form_slices::{FormInPlace, SlicesToForm, SourcesInPlace};
 pub(crate) use lifetimes::list_present;
-pub(crate) use limits::{LimitExceeded, Limits};
+pub(crate) use limits::{LimitExceeded, Limits, are_coarse};
 pub(crate) use pace::Pace;
 pub(crate) use refine::{CandidateRefiner, RefineContext};
 pub(crate) use scratch::{SearchScratch, recycled};

@@ -77,11 +77,31 @@ impl LookaheadSlice {
 }
 
 impl BoxIndex {
+    /// Notes the places of bodies with new boxes that teleport in an interval (s), where these are far closer bounds.
+    pub(super) fn note_places(
+        &mut self,
+        bodies: &BodyTable<'_>,
+        boxed: &[BodyBox],
+        interval: (f64, f64),
+    ) {
+        for slot in boxed.iter().map(|boxed| boxed.body) {
+            let mut bounds = bodies.bounds_by_teleport(slot, interval);
+            let whole = &self.fat_lines[slot as usize];
+            if bounds
+                .iter()
+                .any(|(line, _)| 2.0 * line.radius > whole.radius)
+            {
+                bounds.clear();
+            }
+            self.places.set(slot, bounds);
+        }
+    }
+
     /// Replaces the boxes of bodies that teleport in a list by those of their places.
-    fn list_places(&self, listed: &mut Vec<BodyBox>) {
+    pub(super) fn list_places(&self, listed: &mut Vec<BodyBox>) {
         for number in 0..listed.len() {
             let body = listed[number].body;
-            let places = self.places(body).into_iter().flatten();
+            let places = self.places.of(body).into_iter().flatten();
             let mut boxes = places.map(|&(_, aabb)| BodyBox { aabb, body });
             if let Some(first) = boxes.next() {
                 listed[number] = first;

@@ -2,13 +2,14 @@
 
 mod ask;
 mod changes;
+mod places;
 mod refine;
 mod state;
 
 use super::bodies::BodyTable;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
 use crate::count::{as_f64, short, whole};
-use crate::search::LimitExceeded;
+use crate::search::{LimitExceeded, are_coarse};
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
 pub(super) use state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
@@ -217,7 +218,9 @@ impl LookaheadSlice {
         if let Some(from) = self.search_from {
             return self.search_next_part(from, task);
         }
-        let room = task.limits.candidates_of_slice(task.bodies.monitored.len());
+        let bodies = task.bodies.monitored.len();
+        let is_coarse = are_coarse(&self.index.fat_lines);
+        let room = task.limits.candidates_of_slice(bodies, is_coarse);
         let filter = &LimitedAdmission::new(task.filter, room);
         let boxes = self.compare(task, filter, scratch);
         if filter.is_exceeded() {

@@ -67,7 +67,7 @@ impl BoxIndex {
     /// Returns true if two bodies whose fat lines approach each other in an interval (s) do so at their places before and after
     /// they teleport, too.
     fn may_be_near(&self, pair: [u32; 2], interval: (f64, f64)) -> bool {
-        let places = pair.map(|slot| self.places(slot));
+        let places = pair.map(|slot| self.places.of(slot));
         if let [None, None] = places {
             return true;
         }

@@ -1,6 +1,7 @@
 //! The state of a slice of the lookahead.
 
-use crate::bounds::{FatLine, MAX_PLACES};
+use super::places::Places;
+use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, CandidateLimit, Sweep};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 use crate::monitor::boxes::{BoxTree, TreeSearch};
@@ -10,8 +11,6 @@ use crate::scene::PairAdmission;
 use crate::search::{CandidateRefiner, Limits, SearchScratch, SliceBlock};
 use crate::spans::SpanKey;
 use crate::stats::Stats;
-use arrayvec::ArrayVec;
-use parry3d::bounding_volume::Aabb;
 
 /// A slice of the lookahead.
 #[derive(Clone, Debug, Default)]
@@ -48,38 +47,7 @@ pub(in crate::monitor) struct BoxIndex {
     pub(super) boxes: BoxTree,
     /// Fat lines by slot: nearer to the body than its box, as long as it has one.
     pub(super) fat_lines: Vec<FatLine>,
-    /// The bounds at each place of the bodies that teleport, by slot; shorter than the other lists if few do.
-    pub(super) places: Vec<Option<Box<PlaceBounds>>>,
-}
-
-/// The bounds of a body at each of its places before and after it teleports.
-pub(in crate::monitor) type PlaceBounds = ArrayVec<(FatLine, Aabb), MAX_PLACES>;
-
-impl BoxIndex {
-    /// Returns the bounds of a body at each of its places, if it teleports.
-    pub(super) fn places(&self, slot: u32) -> Option<&PlaceBounds> {
-        self.places.get(slot as usize)?.as_deref()
-    }
-
-    /// Notes at which places bodies with new boxes teleport in an interval (s).
-    pub(super) fn note_places(
-        &mut self,
-        bodies: &BodyTable<'_>,
-        boxed: &[BodyBox],
-        interval: (f64, f64),
-    ) {
-        for slot in boxed.iter().map(|boxed| boxed.body) {
-            let places = bodies.bounds_by_teleport(slot, interval);
-            let places = (!places.is_empty()).then(|| Box::new(places));
-            let slot = slot as usize;
-            if places.is_some() && self.places.len() <= slot {
-                self.places.resize_with(self.fat_lines.len(), || None);
-            }
-            if let Some(noted) = self.places.get_mut(slot) {
-                *noted = places;
-            }
-        }
-    }
+    pub(super) places: Places,
 }
 
 /// Memory that one thread reuses from slice to slice.
