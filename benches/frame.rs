@@ -13,6 +13,10 @@
 //!   10^3 m and a margin of 0 m;
 //! - `frame/told_crowd/10k`, `frame/update_screen_crowd/10k`, one thread: the same with one body in 3^3 m;
 //! - `frame/told_flat/10k`, `frame/update_screen_flat/10k`, one thread: the same on a plane, with one body in 5^2 m;
+//! - `frame/told_islands/10k`, `frame/update_screen_islands/10k`, one thread: as those of `dense`, in ten groups up to 1e9 m
+//!   from each other on each axis;
+//! - `frame/told_elsewhere/10k`, one thread: as `told_dense`, but only a hundred bodies are told, each another place in each
+//!   frame;
 //! - `frame/told_in_turns/10k`, one thread: as `told`, in every other frame. The clock moves in each;
 //! - `frame/told_seldom/10k`, one thread: as `told`, in every tenth frame, and twenty bodies in each of the others;
 //! - `frame/told_in_halves/10k`, one thread: as `told`, one half of the bodies in each frame;
@@ -147,6 +151,9 @@ fn main() {
     run.measure(("update_screen_crowd", 10_000), 1, UpdateScreen::crowd);
     run.measure(("told_flat", 10_000), 1, Told::flat);
     run.measure(("update_screen_flat", 10_000), 1, UpdateScreen::flat);
+    run.measure(("told_islands", 10_000), 1, Told::islands);
+    run.measure(("update_screen_islands", 10_000), 1, UpdateScreen::islands);
+    run.measure(("told_elsewhere", 10_000), 1, Told::elsewhere);
     run.measure(("told_in_turns", 10_000), 1, Told::in_turns);
     run.measure(("told_seldom", 10_000), 1, Told::seldom);
     run.measure(("told_in_halves", 10_000), 1, Told::in_halves);

@@ -51,6 +51,11 @@ impl UpdateScreen {
         Self::of(World::flat(bodies, 5.0), 0.0)
     }
 
+    /// Returns a game with one body in 10^3 m, in ten groups far from each other.
+    pub(crate) fn islands(bodies: u32) -> Self {
+        Self::of(World::islands(bodies, 10.0), 0.0)
+    }
+
     /// Returns a game whose margin (m) is known.
     fn of((world, scene): (World, Scene), margin: f64) -> Self {
         Self {
@@ -167,6 +172,22 @@ impl Told<World> {
     /// Returns a game on a plane with one body in 5^2 m, in which contacts are looked for.
     pub(crate) fn flat(bodies: u32) -> Self {
         Self::of(World::flat(bodies, 5.0), LOOKAHEAD, &[0.0])
+    }
+
+    /// Returns a game with one body in 10^3 m, in ten groups far from each other.
+    pub(crate) fn islands(bodies: u32) -> Self {
+        Self::of(World::islands(bodies, 10.0), LOOKAHEAD, &[0.0])
+    }
+
+    /// Returns a game with one body in 10^3 m, which tells of a hundred bodies that they are elsewhere, and of no others.
+    pub(crate) fn elsewhere(bodies: u32) -> Self {
+        const RESTLESS: usize = 100;
+        let world = World::restless(bodies, 10.0, RESTLESS);
+        Self {
+            period: u32::MAX,
+            meanwhile: RESTLESS,
+            ..Self::of(world, LOOKAHEAD, &[0.0])
+        }
     }
 
     /// Returns a game whose bodies are told in every other frame.

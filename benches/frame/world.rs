@@ -41,6 +41,10 @@ pub(crate) struct World {
     axes: DVec3,
     /// Velocity of the cube, m/s.
     common: DVec3,
+    /// Middles of the cubes, in which bodies are in turns, m.
+    middles: Vec<DVec3>,
+    /// Bodies that have another place in each frame: so many from the first one on.
+    restless: usize,
     frame: u32,
     states: Vec<(BodyId, State)>,
 }
@@ -83,34 +87,65 @@ impl World {
         Self::of((count, spacing), axes, DVec3::ZERO, |_| false)
     }
 
-    fn of(
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`with_spacing`](Self::with_spacing), in ten cubes up to 1e9 m from each other on each
+    /// axis.
+    pub(crate) fn islands(count: u32, spacing: f64) -> (Self, Scene) {
+        const ISLANDS: usize = 10;
+        const HALF: f64 = 5e8;
+        let mut rng = generator(2);
+        let mut middle = || uniform_vector(&mut rng, HALF);
+        let middles = (0..ISLANDS).map(|_| middle()).collect();
+        Self::about(middles, (count, spacing), DVec3::ONE, DVec3::ZERO, |_| {
+            false
+        })
+    }
+
+    #[allow(dead_code, reason = "the benchmark `frame` uses it")]
+    /// Returns bodies as those of [`with_spacing`](Self::with_spacing), so many of which have another place in each frame.
+    pub(crate) fn restless(count: u32, spacing: f64, restless: usize) -> (Self, Scene) {
+        let (world, scene) = Self::with_spacing(count, spacing);
+        (Self { restless, ..world }, scene)
+    }
+
+    fn of(bodies: (u32, f64), axes: DVec3, common: DVec3, rests: fn(u32) -> bool) -> (Self, Scene) {
+        Self::about(vec![DVec3::ZERO], bodies, axes, common, rests)
+    }
+
+    fn about(
+        middles: Vec<DVec3>,
         (count, spacing): (u32, f64),
         axes: DVec3,
         common: DVec3,
         rests: fn(u32) -> bool,
     ) -> (Self, Scene) {
         let mut rng = generator(1);
-        let half = 0.5 * spacing * f64::from(count).powf(1.0 / axes.element_sum());
+        let of_one = f64::from(count) / middles.len() as f64;
+        let half = 0.5 * spacing * of_one.powf(1.0 / axes.element_sum());
         let mut scene = Scene::new();
         let mut insert = |state| {
             let body = Body::new(Trajectory::coasting(state)?).with_hitbox(Hitbox::sphere(RADIUS)?);
             scene.insert(body)
         };
-        let states = (0..count).map(|number| {
-            let position = axes * uniform_vector(&mut rng, half);
-            let velocity = axes * uniform_vector(&mut rng, SPEED);
-            let velocity = velocity * f64::from(u8::from(!rests(number)));
-            let state = State::new(0.0, position, velocity + common);
-            let inserted = insert(state);
-            let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
-            (id, state)
-        });
+        let states = (0..count)
+            .zip(middles.iter().cycle())
+            .map(|(number, middle)| {
+                let position = middle + axes * uniform_vector(&mut rng, half);
+                let velocity = axes * uniform_vector(&mut rng, SPEED);
+                let velocity = velocity * f64::from(u8::from(!rests(number)));
+                let state = State::new(0.0, position, velocity + common);
+                let inserted = insert(state);
+                let id = inserted.unwrap_or_else(|error| panic!("a body is refused: {error}"));
+                (id, state)
+            });
         let states = states.collect();
         let world = Self {
             rng,
             half,
             axes,
             common,
+            middles,
+            restless: 0,
             frame: 0,
             states,
         };
@@ -145,15 +180,19 @@ impl MovingBodies for World {
     fn step(&mut self) {
         self.frame += 1;
         let now = self.now();
-        for (_, state) in &mut self.states {
+        let bodies = self.states.iter_mut().zip(self.middles.iter().cycle());
+        for (number, ((_, state), middle)) in bodies.enumerate() {
             state.time = now;
             state.position += STEP * state.velocity;
             if state.velocity != self.common && self.rng.random_ratio(1, STEADY) {
                 let velocity = self.axes * uniform_vector(&mut self.rng, SPEED);
-                let place = state.position - now * self.common;
+                let place = state.position - now * self.common - middle;
                 let inwards = -velocity.abs() * place.signum();
                 let is_outside = place.abs().cmpgt(DVec3::splat(self.half));
                 state.velocity = self.common + DVec3::select(is_outside, inwards, velocity);
+            }
+            if number < self.restless {
+                state.position = middle + self.axes * uniform_vector(&mut self.rng, self.half);
             }
         }
     }

@@ -213,6 +213,9 @@ impl LookaheadSlice {
     /// Takes a step towards all candidates; returns the number of boxes formed. If there are too many
     /// candidates, the slice is searched from nothing, in shorter slices.
     fn find_candidates(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
+        /// Times the candidates of a new slice that changed bodies may have: for each later change all of shorter slices is
+        /// searched again.
+        const CHANGED: u64 = 3;
         self.candidates.clear();
         self.refined = 0;
         if let Some(from) = self.search_from {
@@ -220,7 +223,10 @@ impl LookaheadSlice {
         }
         let bodies = task.bodies.monitored.len();
         let is_coarse = are_coarse(&self.index.fat_lines);
-        let room = task.limits.candidates_of_slice(bodies, is_coarse);
+        let mut room = task.limits.candidates_of_slice(bodies, is_coarse);
+        if self.stage == BuildStage::Built {
+            room = room.saturating_mul(CHANGED);
+        }
         let filter = &LimitedAdmission::new(task.filter, room);
         let boxes = self.compare(task, filter, scratch);
         if filter.is_exceeded() {
