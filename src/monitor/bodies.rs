@@ -108,17 +108,18 @@ impl<'m> BodyTable<'m> {
         &self,
         slot: u32,
         (from, to): (f64, f64),
-    ) -> ArrayVec<(FatLine, Aabb), MAX_PLACES> {
-        let pieces = || {
-            let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
-            let plan = &body.trajectory;
-            // What it did before is not known, and nobody asks.
-            let known = from.max(plan.piece_knots()[0]);
-            let bounds = (&monitored.padding, &*self.grid.frame);
-            StraightPieces::over(plan, monitored.before(), known, bounds)
-        };
-        let bounds = pieces().map(|one| one.bounds_by_teleport(&self.grid.frame, (from, to)));
-        bounds.unwrap_or_default()
+    ) -> Option<ArrayVec<(FatLine, Aabb), MAX_PLACES>> {
+        let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
+        let plan = &body.trajectory;
+        if plan.straight_motions().len() < 2 {
+            return None;
+        }
+        // What it did before is not known, and nobody asks.
+        let known = from.max(plan.piece_knots()[0]);
+        let bounds = (&monitored.padding, &*self.grid.frame);
+        let pieces = StraightPieces::over(plan, monitored.before(), known, bounds)?;
+        let bounds = pieces.bounds_by_teleport(&self.grid.frame, (from, to));
+        (!bounds.is_empty()).then_some(bounds)
     }
 
     /// Lists those of some slots whose bodies may exist within an interval (s), and have a partner; replaces what the list

@@ -2,6 +2,7 @@
 
 use super::state::LimitedAdmission;
 use super::{BoxIndex, BuildStage, LookaheadSlice, SliceScratch, SliceTask};
+use crate::bounds::FatLine;
 use crate::broad_phase::BodyBox;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
@@ -85,15 +86,13 @@ impl BoxIndex {
         interval: (f64, f64),
     ) {
         for slot in boxed.iter().map(|boxed| boxed.body) {
-            let mut bounds = bodies.bounds_by_teleport(slot, interval);
             let whole = &self.fat_lines[slot as usize];
-            if bounds
-                .iter()
-                .any(|(line, _)| 2.0 * line.radius > whole.radius)
-            {
-                bounds.clear();
+            let is_close = |line: &FatLine| 2.0 * line.radius <= whole.radius;
+            let bounds = bodies.bounds_by_teleport(slot, interval);
+            match bounds.filter(|bounds| bounds.iter().all(|(line, _)| is_close(line))) {
+                Some(bounds) => self.places.set(slot, bounds),
+                None => self.places.remove(slot),
             }
-            self.places.set(slot, bounds);
         }
     }
 

@@ -31,32 +31,30 @@ impl Places {
         self.lists.get(number as usize)
     }
 
-    /// Replaces the bounds of the body in a slot; empty ones if it does not teleport.
+    /// Removes the bounds of the body in a slot: it does not teleport.
+    pub(super) fn remove(&mut self, slot: u32) {
+        let number = self.numbers.get_mut(slot as usize).map(std::mem::take);
+        self.unused
+            .extend(number.and_then(|number| number.checked_sub(1)));
+    }
+
+    /// Replaces the bounds of the body in a slot, which teleports.
     pub(super) fn set(&mut self, slot: u32, bounds: PlaceBounds) {
+        self.remove(slot);
         let slot = slot as usize;
         if self.numbers.len() <= slot {
-            if bounds.is_empty() {
-                return;
-            }
             self.numbers.resize(slot + 1, 0);
         }
-        let number = &mut self.numbers[slot];
-        match (number.checked_sub(1), bounds.is_empty()) {
-            (None, true) => {}
-            (Some(used), true) => {
-                self.unused.push(used);
-                *number = 0;
+        let number = match self.unused.pop() {
+            Some(number) => {
+                self.lists[number as usize] = bounds;
+                number
             }
-            (Some(used), false) => self.lists[used as usize] = bounds,
-            (None, false) => {
-                let used = self.unused.pop().unwrap_or(short(self.lists.len()));
-                if used as usize == self.lists.len() {
-                    self.lists.push(bounds);
-                } else {
-                    self.lists[used as usize] = bounds;
-                }
-                *number = used + 1;
+            None => {
+                self.lists.push(bounds);
+                short(self.lists.len() - 1)
             }
-        }
+        };
+        self.numbers[slot] = number + 1;
     }
 }
