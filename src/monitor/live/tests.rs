@@ -11,7 +11,7 @@ use super::*;
 use crate::error::Error;
 use crate::id::BodyId;
 use crate::layers::Layers;
-use crate::monitor::{AlertLevel, Command, EndReason, Event, EventKind};
+use crate::monitor::{AlertLevel, Budget, Command, EndReason, Event, EventKind};
 use crate::orientation::Orientation;
 use crate::scene::{Body, BodyPlan, Scene};
 use crate::trajectory::{State, Trajectory};
@@ -112,6 +112,31 @@ fn after_a_panic_only_what_is_planned_is_reported() {
     );
     let is_withdrawn = |event: &Event| matches!(event.kind, EventKind::Withdrawn(_));
     assert_eq!(events.iter().filter(|event| is_withdrawn(event)).count(), 2);
+}
+
+/// A shutdown breaks a tick off. Without a budget it compares several slices at once, and claims no more than was
+/// compared, as with one.
+#[test]
+fn what_was_broken_off_is_not_claimed() {
+    for budget in [
+        Budget::Unlimited,
+        Budget::Time(Duration::MAX),
+        Budget::Work(9),
+    ] {
+        let (mut monitor, _) = monitor();
+        let interrupt = Interrupt::default();
+        interrupt.request();
+        monitor.interrupt = Some(Arc::new(interrupt));
+        let mut events = Vec::new();
+        monitor.advance_within(0.5, budget, &mut events).unwrap();
+        assert_eq!(monitor.complete_until(), 0.0, "{budget:?}");
+        assert!(events.is_empty() && !monitor.is_caught_up());
+        monitor.interrupt = None;
+        monitor.advance(1.0, &mut events).unwrap();
+        assert!(monitor.is_caught_up() && events.len() == 1);
+        // Bodies that meet all the time began to when the clock did.
+        assert_eq!(events[0].time, 0.0, "{budget:?}");
+    }
 }
 
 #[test]
