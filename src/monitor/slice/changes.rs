@@ -11,7 +11,7 @@ impl LookaheadSlice {
     pub(in crate::monitor) fn note(&mut self, slots: &[u32]) {
         let boxed = match self.stage {
             BuildStage::Listing(slots) | BuildStage::Placing(slots) => slots,
-            BuildStage::Compared(_) | BuildStage::Joining(_) | BuildStage::Built => usize::MAX,
+            BuildStage::Compared(_) | BuildStage::Joining(..) | BuildStage::Built => usize::MAX,
         };
         for &slot in slots {
             if (slot as usize) < boxed {

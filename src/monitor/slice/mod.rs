@@ -8,7 +8,7 @@ mod state;
 
 use super::bodies::BodyTable;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};
-use crate::count::{as_f64, short, whole};
+use crate::count::{as_f64, whole};
 use crate::search::{LimitExceeded, are_coarse};
 use crate::wall_clock::Instant;
 pub(super) use ask::NearBody;
@@ -16,13 +16,16 @@ pub(super) use state::{BoxIndex, LookaheadSlice, SliceScratch, SliceTask};
 use state::{BuildStage, LimitedAdmission};
 
 impl LookaheadSlice {
-    /// Boxes formed or compared, or candidates looked at, before a budget is looked at: some tenths of a
+    /// Boxes formed, or candidates looked at, before a budget is looked at: some tenths of a
     /// millisecond.
     const STEP: usize = 1024;
 
     /// Share of the work for a slice that forms its boxes and places them in the tree; the rest compares
     /// them.
     const PLACING: f64 = 0.6;
+
+    /// Leaves compared before a budget is looked at: they hold about `STEP` bodies.
+    const STEP_LEAVES: usize = 100;
 
     /// Memory for so many candidates, and four for each body, is kept when all are refined. More is given
     /// back: there are many slices.
@@ -114,14 +117,14 @@ impl LookaheadSlice {
         self.due_of(bodies.monitored.len(), (0.0, Self::PLACING))
     }
 
-    /// Returns how many slots are to be compared with lower ones now.
-    fn due_joined(&self, bodies: &BodyTable<'_>) -> usize {
-        self.due_of(bodies.monitored.len(), (Self::PLACING, 1.0))
+    /// Returns how many leaves are to be compared now.
+    fn due_leaves(&self) -> usize {
+        self.due_of(self.index.boxes.leaves(), (Self::PLACING, 1.0))
     }
 
     /// Returns true if all bodies have their boxes in the tree.
     pub(super) const fn is_placed(&self) -> bool {
-        matches!(self.stage, BuildStage::Joining(_) | BuildStage::Built)
+        matches!(self.stage, BuildStage::Joining(..) | BuildStage::Built)
     }
 
     /// Returns true if all that is due is compared: the slice is *fresh*.
@@ -132,7 +135,11 @@ impl LookaheadSlice {
             BuildStage::Listing(_) => return self.due_share < 1.0,
             // When all boxes are placed, joining has to begin: the slice is not fresh.
             BuildStage::Placing(slots) => self.due_share < 1.0 && has_all(slots),
-            BuildStage::Joining(slots) => self.due_share < 1.0 && slots >= self.due_joined(bodies),
+            BuildStage::Joining(leaves, order) => {
+                self.due_share < 1.0
+                    && leaves >= self.due_leaves()
+                    && order == self.index.boxes.resort_count()
+            }
             BuildStage::Compared(_) | BuildStage::Built => true,
         };
         is_there
@@ -284,18 +291,18 @@ impl LookaheadSlice {
             }
             BuildStage::Placing(_) => {
                 self.index.boxes.fit();
-                self.stage = BuildStage::Joining(0);
+                self.stage = BuildStage::Joining(0, self.index.boxes.resort_count());
                 0
             }
-            BuildStage::Joining(slots) if self.changed.slots().is_empty() => {
-                self.join(bodies, filter, slots, scratch);
+            BuildStage::Joining(leaves, order) if self.changed.slots().is_empty() => {
+                self.join(filter, leaves, order, scratch);
                 0
             }
             BuildStage::Listing(_) => {
                 self.build(bodies, filter, scratch);
                 0
             }
-            BuildStage::Joining(_) | BuildStage::Built | BuildStage::Compared(_) => {
+            BuildStage::Joining(..) | BuildStage::Built | BuildStage::Compared(_) => {
                 self.compare_changed(task, filter, scratch)
             }
         }
@@ -330,24 +337,31 @@ impl LookaheadSlice {
         self.changed.clear();
     }
 
-    /// Compares the bodies in slots from `first` on with those in lower slots, so that each pair is found once: as many as
-    /// are due, but not too many at a time.
+    /// Compares the bodies in the next leaves with all others. Each body is compared with those in lower slots only, so
+    /// that each pair is found once.
     fn join(
         &mut self,
-        bodies: &BodyTable<'_>,
         filter: &LimitedAdmission<'_>,
-        first: usize,
+        leaves: usize,
+        order: u32,
         scratch: &mut SliceScratch,
     ) {
-        let until = self.due_joined(bodies).min(first + Self::STEP);
+        let first = if order == self.index.boxes.resort_count() {
+            leaves
+        } else {
+            0
+        };
+        let until = self.due_leaves().min(first + Self::STEP_LEAVES);
         scratch.listed.clear();
-        let boxes = (first..until).filter_map(|slot| self.index.boxes.get(short(slot)));
-        scratch.listed.extend(boxes);
+        let listed = &mut scratch.listed;
+        self.index
+            .boxes
+            .each(first..until, |body| listed.push(body));
         self.list_meeting(filter, scratch, |own, other| other < own);
-        let stage = if until == bodies.monitored.len() {
+        let stage = if until == self.index.boxes.leaves() {
             BuildStage::Built
         } else {
-            BuildStage::Joining(until)
+            BuildStage::Joining(until, self.index.boxes.resort_count())
         };
         self.end_at(stage, filter);
     }
@@ -366,7 +380,8 @@ impl LookaheadSlice {
         }
         let SliceScratch { sweep, listed, .. } = scratch;
         listed.clear();
-        listed.extend(self.index.boxes.iter());
+        let boxes = &self.index.boxes;
+        boxes.each(0..boxes.leaves(), |body| listed.push(body));
         sweep.pairs(listed, filter, &mut self.candidates);
         self.end_at(BuildStage::Built, filter);
         if self.stage == BuildStage::Built {

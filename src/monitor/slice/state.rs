@@ -94,8 +94,9 @@ pub(super) enum BuildStage {
     /// Nothing was compared. Slots below this number have their boxes in the tree, in the order of that of the slice
     /// before.
     Placing(usize),
-    /// All boxes are in the tree. The bodies in slots below this number were compared with those in lower slots.
-    Joining(usize),
+    /// All boxes are in the tree. The bodies in leaves below the first number were compared with all others, if the
+    /// second number is still the [number of the tree's sortings](BoxTree::resort_count).
+    Joining(usize, u32),
     /// All boxes are in the tree. All bodies were compared with each other, but for changed ones.
     Built,
 }
