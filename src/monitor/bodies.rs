@@ -114,7 +114,7 @@ impl<'m> BodyTable<'m> {
         if plan.straight_motions().len() < 2 {
             return None;
         }
-        // What it did before is not known, and nobody asks.
+        // Without cubics before its first knot it is nowhere before that. So its box begins there, too.
         let known = from.max(plan.piece_knots()[0]);
         let bounds = (&monitored.padding, &*self.grid.frame);
         let pieces = StraightPieces::over(plan, monitored.before(), known, bounds)?;

@@ -65,7 +65,7 @@ pub struct Encounter {
     /// clock of [`Monitor::new`](crate::Monitor::new) or [`Monitor::skip_to`](crate::Monitor::skip_to).
     pub enter: f64,
     /// Last instant within the level's release margin, s; while `open`, the end of the examined
-    /// time, or of that of an earlier tick if a budget has left less of it.
+    /// time. (If a budget has left less of it than an earlier tick examined, the end of what that one did.)
     pub exit: f64,
     /// True while the end is unknown: it lies beyond the time that the monitor has examined.
     pub open: bool,

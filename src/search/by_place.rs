@@ -23,7 +23,7 @@ impl<'a> ByPlace<'a> {
 impl PairFilter for ByPlace<'_> {
     #[inline]
     fn admits(&self, a: u32, b: u32) -> bool {
-        // A body that teleports has two places, the second one behind all others.
+        // A body that teleports has several places, all but the first one behind those of all bodies.
         let (a, b) = (self.bodies[a as usize], self.bodies[b as usize]);
         a != b && (self.admits_all || self.filter.admits(a.min(b), a.max(b)))
     }

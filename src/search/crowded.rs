@@ -28,6 +28,7 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
             frame,
         } = part;
         let Some(islands) = bounds.islands() else {
+            // Coarse ones came here with few candidates per box: nothing else helps but to look at them.
             let room = self.limits.candidates_of_slice(bounds.boxes.len(), false);
             let is_coarse = are_coarse(&bounds.fat_lines);
             return if is_coarse && self.search_whole(part, room, filter, stats, scratch)? {

@@ -6,7 +6,7 @@ use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short, whole};
 use glam::{DVec3, Vec3};
 
-/// Two or more bodies whose boxes are separated from all others by a gap on some axis.
+/// Two or more boxes that are separated from all others by a gap on some axis.
 #[derive(Debug)]
 pub(super) struct Island {
     /// Places in the [bounds](SliceBounds) of the slice, ascending.

@@ -31,12 +31,12 @@ impl Limits {
         }
     }
 
-    /// Returns the largest number of candidates of a slice before it is divided; less if its boxes are [coarse](are_coarse).
-    /// More candidates per box cost more than the boxes of two halves, if those have few, or than those of islands.
+    /// Returns the largest number of candidates of a slice before it is divided. More candidates per box cost more than the
+    /// boxes of two halves, if those have few. If boxes are [coarse](are_coarse), far fewer cost more than those of islands.
     pub(crate) fn candidates_of_slice(&self, bodies: usize, is_coarse: bool) -> u64 {
         const CANDIDATES_PER_BOX: u64 = 32;
         const CANDIDATES_PER_COARSE_BOX: u64 = 2;
-        /// Slices with fewer candidates are never divided.
+        /// Slices with fewer candidates are never divided, unless their boxes are coarse.
         const FEW: u64 = 1 << 16;
         let (most, bodies) = (self.candidates, bodies as u64);
         if is_coarse {

@@ -61,12 +61,10 @@ impl BoxIndex {
     ) {
         let fat_lines = &mut self.fat_lines;
         fat_lines.resize(bodies.monitored.len(), Self::NO_FAT_LINE);
-        let before = listed.len();
         bodies.boxes(slots, &[from, to], &mut |_, boxed, fat_line| {
             fat_lines[boxed.body as usize] = *fat_line;
             listed.push(boxed);
         });
-        self.note_places(bodies, &listed[before..], (from, to));
     }
 
     /// Lists the bodies that may be near the body of a source within the interval of the boxes (s).

@@ -58,7 +58,6 @@ impl LookaheadSlice {
                     fat_lines[boxed.body as usize] = *fat_line;
                     listed.push(*boxed);
                 }
-                self.index.note_places(bodies, listed, self.interval);
             }
             _ => {
                 let changed = self.changed.slots().iter().copied();
@@ -66,6 +65,7 @@ impl LookaheadSlice {
                     .list_boxes(bodies, changed, self.interval, listed);
             }
         }
+        self.index.note_places(bodies, listed, self.interval);
         self.stats.boxes += listed.len() as u64;
         // In the order of `changed`, but for those that are missing.
         let mut boxed = listed.iter().map(|boxed| boxed.body).peekable();

@@ -220,9 +220,6 @@ impl LookaheadSlice {
     /// Takes a step towards all candidates; returns the number of boxes formed. If there are too many
     /// candidates, the slice is searched from nothing, in shorter slices.
     fn find_candidates(&mut self, task: &SliceTask<'_>, scratch: &mut SliceScratch) -> usize {
-        /// Times the candidates of a new slice that changed bodies may have: for each later change all of shorter slices is
-        /// searched again.
-        const CHANGED: u64 = 3;
         self.candidates.clear();
         self.refined = 0;
         if let Some(from) = self.search_from {
@@ -230,10 +227,14 @@ impl LookaheadSlice {
         }
         let bodies = task.bodies.monitored.len();
         let is_coarse = are_coarse(&self.index.fat_lines);
-        let mut room = task.limits.candidates_of_slice(bodies, is_coarse);
-        if self.stage == BuildStage::Built {
-            room = room.saturating_mul(CHANGED);
-        }
+        let usual = task.limits.candidates_of_slice(bodies, is_coarse);
+        let room = match self.stage {
+            // There may be as many in each slice: then a search of all bodies takes less time.
+            BuildStage::Built if is_coarse => usual / 8,
+            // For each later change all of the shorter slices would be searched again.
+            BuildStage::Built => usual.saturating_mul(3),
+            _ => usual,
+        };
         let filter = &LimitedAdmission::new(task.filter, room);
         let boxes = self.compare(task, filter, scratch);
         if filter.is_exceeded() {

@@ -5,7 +5,7 @@ use crate::count::short;
 use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
 
-/// The bounds of a body at each of its places before and after it teleports.
+/// The bounds of a body that teleports, at each of its places.
 pub(super) type PlaceBounds = ArrayVec<(FatLine, Aabb), MAX_PLACES>;
 
 /// The bounds of the bodies that teleport in a slice, by slot.

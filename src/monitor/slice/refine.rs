@@ -64,8 +64,7 @@ impl LookaheadSlice {
 }
 
 impl BoxIndex {
-    /// Returns true if two bodies whose fat lines approach each other in an interval (s) do so at their places before and after
-    /// they teleport, too.
+    /// Returns true if two bodies whose fat lines approach each other in an interval (s) do so at one of their places each, too.
     fn may_be_near(&self, pair: [u32; 2], interval: (f64, f64)) -> bool {
         let places = pair.map(|slot| self.places.of(slot));
         if let [None, None] = places {
