@@ -270,6 +270,11 @@ impl Padding {
         }
     }
 
+    /// Returns the largest distance from the body's position within bounding sphere and half the margin, in the frame's unit.
+    pub(crate) const fn reach(&self) -> f32 {
+        self.reach
+    }
+
     /// Returns a bound on the padding, m, that is not reduced by cancellation.
     #[inline]
     pub(crate) fn size<'a>(shape: impl Into<BodyShape<'a>>, margin: f64) -> f64 {

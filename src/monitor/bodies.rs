@@ -103,15 +103,18 @@ impl<'m> BodyTable<'m> {
         Some((entry, needs_cubics))
     }
 
-    /// Returns the bounds of a body at its places in an interval (s), if it teleports in it.
+    /// Returns the bounds of a body at its places in an interval (s), if it teleports in it and each is far closer than the
+    /// fat line of the `whole` interval.
     pub(super) fn bounds_by_teleport(
         &self,
         slot: u32,
         (from, to): (f64, f64),
+        whole: &FatLine,
     ) -> Option<ArrayVec<(FatLine, Aabb), MAX_PLACES>> {
+        let is_far_closer = |radius: f32| 2.0 * radius <= whole.radius;
         let (monitored, body) = self.monitored.with_body(self.scene, slot)?;
         let plan = &body.trajectory;
-        if plan.straight_motions().len() < 2 {
+        if plan.straight_motions().len() < 2 || !is_far_closer(monitored.padding.reach()) {
             return None;
         }
         // Without cubics before its first knot it is nowhere before that. So its box begins there, too.
@@ -119,7 +122,8 @@ impl<'m> BodyTable<'m> {
         let bounds = (&monitored.padding, &*self.grid.frame);
         let pieces = StraightPieces::over(plan, monitored.before(), known, bounds)?;
         let bounds = pieces.bounds_by_teleport(&self.grid.frame, (from, to));
-        (!bounds.is_empty()).then_some(bounds)
+        let are_close = bounds.iter().all(|(line, _)| is_far_closer(line.radius));
+        (are_close && !bounds.is_empty()).then_some(bounds)
     }
 
     /// Lists those of some slots whose bodies may exist within an interval (s), and have a partner; replaces what the list

@@ -2,7 +2,6 @@
 
 use super::state::LimitedAdmission;
 use super::{BoxIndex, BuildStage, LookaheadSlice, SliceScratch, SliceTask};
-use crate::bounds::FatLine;
 use crate::broad_phase::BodyBox;
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
 
@@ -78,18 +77,11 @@ impl LookaheadSlice {
 }
 
 impl BoxIndex {
-    /// Notes the places of bodies with new boxes that teleport in an interval (s), where these are far closer bounds.
-    pub(super) fn note_places(
-        &mut self,
-        bodies: &BodyTable<'_>,
-        boxed: &[BodyBox],
-        interval: (f64, f64),
-    ) {
+    /// Notes the places of bodies with new boxes that teleport in an interval (s).
+    fn note_places(&mut self, bodies: &BodyTable<'_>, boxed: &[BodyBox], interval: (f64, f64)) {
         for slot in boxed.iter().map(|boxed| boxed.body) {
             let whole = &self.fat_lines[slot as usize];
-            let is_close = |line: &FatLine| 2.0 * line.radius <= whole.radius;
-            let bounds = bodies.bounds_by_teleport(slot, interval);
-            match bounds.filter(|bounds| bounds.iter().all(|(line, _)| is_close(line))) {
+            match bodies.bounds_by_teleport(slot, interval, whole) {
                 Some(bounds) => self.places.set(slot, bounds),
                 None => self.places.remove(slot),
             }
@@ -97,7 +89,7 @@ impl BoxIndex {
     }
 
     /// Replaces the boxes of bodies that teleport in a list by those of their places.
-    pub(super) fn list_places(&self, listed: &mut Vec<BodyBox>) {
+    fn list_places(&self, listed: &mut Vec<BodyBox>) {
         for number in 0..listed.len() {
             let body = listed[number].body;
             let places = self.places.of(body).into_iter().flatten();
