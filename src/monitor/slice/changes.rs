@@ -79,9 +79,17 @@ impl LookaheadSlice {
 impl BoxIndex {
     /// Notes the places of bodies with new boxes that teleport in an interval (s).
     fn note_places(&mut self, bodies: &BodyTable<'_>, boxed: &[BodyBox], interval: (f64, f64)) {
+        /// Bodies that tell how large others are.
+        const SAMPLED: usize = 8;
+        let lines = &self.fat_lines;
+        let sample = lines.iter().step_by(lines.len().div_ceil(SAMPLED).max(1));
+        let least = sample.fold(f32::INFINITY, |least, line| least.min(line.radius));
         for slot in boxed.iter().map(|boxed| boxed.body) {
             let whole = &self.fat_lines[slot as usize];
-            match bodies.bounds_by_teleport(slot, interval, whole) {
+            let may_be_far_closer = whole.radius >= 2.0 * least;
+            let bounds =
+                may_be_far_closer.then(|| bodies.bounds_by_teleport(slot, interval, whole));
+            match bounds.flatten() {
                 Some(bounds) => self.places.set(slot, bounds),
                 None => self.places.remove(slot),
             }
