@@ -323,9 +323,10 @@ impl Monitor {
 
     /// Keeps plans and orientations this many seconds back, from the clock of the last tick, when bodies are
     /// [replanned](Self::replan), [extended](Self::extend), [told](Self::track) or [oriented](Self::orient); 0 at first,
-    /// and infinity keeps all. It changes no event but for roundings: a late plan may be followed from an earlier instant. Older cubics are forgotten then, but for the one that holds at that
-    /// instant. Kept ones are copied with each such call, a tenth of a microsecond a knot. Ticks examine the kept time of
-    /// replanned bodies anew: where 50 of 2,000 bodies are replanned each tick, ticks take 1.5 times as long.
+    /// and infinity keeps all. It changes no event but for roundings: a late plan may be followed from an earlier instant.
+    /// Older cubics are forgotten then, but for the one that holds at that instant. Kept ones are copied with each such call,
+    /// a tenth of a microsecond a knot. Ticks examine the kept time of replanned bodies anew: where 50 of 2,000 bodies are
+    /// replanned each tick, ticks take 1.5 times as long.
     ///
     /// # Errors
     ///

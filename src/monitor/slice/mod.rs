@@ -2,9 +2,9 @@
 
 mod ask;
 mod changes;
-mod places;
 mod refine;
 mod state;
+mod teleport_bounds;
 
 use super::bodies::BodyTable;
 use crate::broad_phase::{BodyBox, BroadPhase, Candidate, PairFilter};

@@ -1,6 +1,6 @@
 //! The state of a slice of the lookahead.
 
-use super::places::Places;
+use super::teleport_bounds::TeleportBounds;
 use crate::bounds::FatLine;
 use crate::broad_phase::{BodyBox, Candidate, CandidateLimit, Sweep};
 use crate::monitor::bodies::{BodyTable, ChangedBounds};
@@ -47,7 +47,7 @@ pub(in crate::monitor) struct BoxIndex {
     pub(super) boxes: BoxTree,
     /// Fat lines by slot: nearer to the body than its box, as long as it has one.
     pub(super) fat_lines: Vec<FatLine>,
-    pub(super) places: Places,
+    pub(super) places: TeleportBounds,
 }
 
 /// Memory that one thread reuses from slice to slice.

@@ -1,4 +1,4 @@
-//! The places of bodies that teleport in a slice.
+//! The bounds of bodies that teleport in a slice.
 
 use crate::bounds::{FatLine, MAX_PLACES};
 use crate::count::short;
@@ -10,7 +10,7 @@ pub(super) type PlaceBounds = ArrayVec<(FatLine, Aabb), MAX_PLACES>;
 
 /// The bounds of the bodies that teleport in a slice, by slot.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Places {
+pub(super) struct TeleportBounds {
     /// One more than the number of a list; 0 for a body that does not teleport. Slots beyond the end have none.
     numbers: Vec<u32>,
     lists: Vec<PlaceBounds>,
@@ -18,7 +18,7 @@ pub(super) struct Places {
     unused: Vec<u32>,
 }
 
-impl Places {
+impl TeleportBounds {
     pub(super) fn clear(&mut self) {
         self.numbers.clear();
         self.lists.clear();
