@@ -5,8 +5,11 @@ use crate::terminal;
 use nearmiss::parry3d::math::Vector;
 use nearmiss::parry3d::shape::TriMesh;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
+
+/// What some programs begin a text in UTF-8 with.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Reads an OBJ or STL file, as its name says.
 pub(crate) fn read(path: &Path) -> Result<TriMesh, Failure> {
@@ -30,6 +33,10 @@ fn read_obj(path: &Path) -> Result<TriMesh, Failure> {
         ..tobj::LoadOptions::default()
     };
     let mut reader = BufReader::new(File::open(path)?);
+    if reader.fill_buf()?.starts_with(BYTE_ORDER_MARK) {
+        // It would hide what the first line is.
+        reader.consume(BYTE_ORDER_MARK.len());
+    }
     // Colours and textures do not matter.
     let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
     let loaded = tobj::load_obj_buf(&mut reader, &options, no_materials);

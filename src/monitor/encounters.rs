@@ -39,6 +39,17 @@ pub(super) struct TrackedEncounter {
     passed: Option<SolvedApproach>,
 }
 
+impl TrackedEncounter {
+    /// Returns why it ends where the plans let it end.
+    const fn reason_of_end(&self) -> EndReason {
+        if self.ends_with_trajectory {
+            EndReason::TrajectoryEnded
+        } else {
+            EndReason::Separated
+        }
+    }
+}
+
 /// The saved encounters of a level.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -269,7 +280,14 @@ fn unmatched(
     }
     // A change takes effect at the instant up to which the last tick reported: these events stay.
     let time = if old.begun { tick.before } else { tick.now };
-    events.push(over_at(old, time, EndReason::PlanChanged));
+    let has_ended = old.begun && !old.encounter.open && old.encounter.exit <= time;
+    let reason = if has_ended {
+        // At that very instant. What was followed up to there may be forgotten.
+        old.reason_of_end()
+    } else {
+        EndReason::PlanChanged
+    };
+    events.push(over_at(old, time, reason));
     None
 }
 
@@ -366,14 +384,9 @@ fn clock(
             tracked.passed = Some(passed.or_passed(tracked.passed));
         }
         if !tracked.encounter.open && tracked.encounter.exit < tick.reported {
-            let reason = if tracked.ends_with_trajectory {
-                EndReason::TrajectoryEnded
-            } else {
-                EndReason::Separated
-            };
             events.push(Event {
                 time: tracked.encounter.exit,
-                kind: EventKind::Ended(tracked.encounter, reason),
+                kind: EventKind::Ended(tracked.encounter, tracked.reason_of_end()),
             });
             return None;
         }

@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBody;
+use super::slot_set::SlotSet;
 use crate::error::{Error, check_change_time};
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
@@ -20,8 +21,46 @@ pub(super) struct ChangeContext<'m> {
     pub(super) window: Window,
     /// The clock of the last tick, s.
     pub(super) now: f64,
-    /// End of the history, s: replans drop older cubics.
-    pub(super) forget_before: f64,
+    pub(super) history: HistoryEnd<'m>,
+}
+
+/// The end of what is kept of the past.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HistoryEnd<'m> {
+    /// s.
+    end: f64,
+    /// True if the last tick reported all up to the end, and nothing later.
+    is_reported: bool,
+    /// Bodies that have changed since the last tick.
+    changed: &'m SlotSet,
+}
+
+impl<'m> HistoryEnd<'m> {
+    /// Returns the end of a history (s) before the instant up to which the last tick reported (s).
+    pub(super) fn of((reported, history): (f64, f64), changed: &'m SlotSet) -> Self {
+        Self {
+            end: reported - history,
+            is_reported: history <= 0.0,
+            changed,
+        }
+    }
+
+    /// Returns the end, s.
+    pub(super) const fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Returns the instant before which cubics end that the body in a slot forgets when it follows another motion from `from`
+    /// (s) on, s.
+    #[inline]
+    pub(super) fn forget_before(&self, slot: u32, from: f64) -> f64 {
+        // The last tick has seen what ends at that very instant, unless a cubic was cut off there since, or is now.
+        if self.is_reported && from > self.end && !self.changed.has(slot) {
+            self.end.next_up()
+        } else {
+            self.end
+        }
+    }
 }
 
 impl ChangeContext<'_> {
@@ -148,9 +187,10 @@ impl PendingChange {
             from,
             command: self.last,
         });
-        // An earlier plan of this batch is joined now, the body's own in `prepare`.
+        // An earlier plan of this batch is joined now, the body's own in `prepare`. No tick has seen that plan.
+        let since = |_| context.history.end();
         old.map_or(Ok(()), |old| {
-            self.precede_by(&old, self.body(scene)?.tag, context)
+            self.precede_by(&old, self.body(scene)?.tag, context, since)
         })
     }
 
@@ -175,7 +215,7 @@ impl PendingChange {
     ) -> Result<(), Refusal> {
         let body = self.body(scene)?;
         let before = self.orientation.as_ref().unwrap_or(&body.orientation);
-        let both = before.followed_by(next, from, context.forget_before);
+        let both = before.followed_by(next, from, context.history.end());
         let both = both.map_err(|error| (self.last, error.in_body(body.tag).with_id(self.id)))?;
         self.orientation = Some(both);
         Ok(())
@@ -194,7 +234,7 @@ impl PendingChange {
             from.map_err(|error| (splice.command, error.in_body(body.tag).with_id(self.id)))?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let times = (from, context.forget_before);
+        let times = (from, context.history.forget_before(self.id.slot, from));
         if keeps_shape && body.trajectory.can_replace(times, motion, context.window) {
             self.late = Some(from).filter(|from| asked < *from);
             self.in_place = Some((from, *motion));
@@ -211,8 +251,9 @@ impl PendingChange {
         if self.splice.is_none() {
             return Ok(());
         }
-        let body = self.body(scene)?;
-        self.precede_by(&body.trajectory, body.tag, context)
+        let (body, slot) = (self.body(scene)?, self.id.slot);
+        let since = |from| context.history.forget_before(slot, from);
+        self.precede_by(&body.trajectory, body.tag, context, since)
     }
 
     fn precede_by(
@@ -220,6 +261,7 @@ impl PendingChange {
         old: &Trajectory,
         tag: u64,
         context: &ChangeContext<'_>,
+        since: impl Fn(f64) -> f64,
     ) -> Result<(), Refusal> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
@@ -230,7 +272,7 @@ impl PendingChange {
         };
         let spliced = from.and_then(|from| {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
-            plan.precede_by(old, from, context.forget_before)
+            plan.precede_by(old, from, since(from))
         });
         spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }

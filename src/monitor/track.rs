@@ -2,10 +2,11 @@
 
 use super::Monitor;
 use super::command::CommandBatch;
-use super::pending_change::ChangeContext;
+use super::pending_change::{ChangeContext, HistoryEnd};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::told_motions::{ToldMotions, ToldPlan};
+use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::orientation::ToldSpin;
@@ -35,7 +36,7 @@ impl Monitor {
     /// - The last state of a body that is named twice counts, and so does the last call: a state that is older than one told
     ///   before replaces that one, too. Drop messages that were overtaken.
     /// - Between two ticks it may be called several times, as by an engine that takes several steps, and `now` may lie ahead of
-    ///   the clock. A body that keeps more than six of its motions takes longer: told in eight steps a tick five times as
+    ///   the clock. A body that keeps more than five of its motions takes longer: told in eight steps a tick five times as
     ///   long, told for half a second ahead of the clock six times.
     /// - In steady state nothing is allocated on one thread. Several threads share lists that are made anew.
     ///
@@ -214,10 +215,11 @@ impl Monitor {
         if old.follows(motion, from) {
             return Ok(ToldPlan::Same(from));
         }
-        if old.can_replace((from, context.forget_before), motion, context.window) {
+        let since = context.history.forget_before(id.slot, from);
+        if old.can_replace((from, since), motion, context.window) {
             return Ok(ToldPlan::InPlace(from));
         }
-        let done = plan.precede_by(old, from, context.forget_before);
+        let done = plan.precede_by(old, from, since);
         done.map_err(in_body)?;
         let monitored = context.monitored_body(&plan, body.shape(), body.tag);
         // The state is the last knot.
@@ -229,7 +231,7 @@ impl Monitor {
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, told: &mut ToldMotions) -> Result<(), Error> {
         self.replace_in_place(now, told)?;
-        let since = self.change_context()?.forget_before;
+        let since = self.change_context()?.history.end();
         for (place, plan) in told.others.drain(..) {
             let id = told.states.ids[place];
             let plan = plan?;
@@ -305,12 +307,11 @@ impl Monitor {
 
     /// Replaces the motions that can be replaced in place.
     fn replace_in_place(&mut self, now: f64, told: &ToldMotions) -> Result<(), Error> {
-        let context = self.change_context()?;
-        let (window, since) = (context.window, context.forget_before);
+        let window = self.change_context()?.window;
         if parallel::threads() > 1 && 2 * told.states.ids.len() > self.scene.slots() {
-            self.share_replacements((now, since), window, told);
+            self.share_replacements(now, window, told);
         } else {
-            self.replace_each((now, since), window, told);
+            self.replace_each(now, window, told);
         }
         let count = self.search.mark_all_changed(told.slots_in_place());
         self.count_changes(count);
@@ -318,8 +319,9 @@ impl Monitor {
     }
 
     /// Replaces them in the order in which they were told.
-    fn replace_each(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
+    fn replace_each(&mut self, now: f64, window: Window, told: &ToldMotions) {
         const AHEAD: usize = CommandBatch::AHEAD;
+        let history = HistoryEnd::of((self.reported, self.history), &self.search.changed);
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
         for (place, is_replaced) in told.is_in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
@@ -336,6 +338,7 @@ impl Monitor {
             let slot = told.states.ids[place].slot;
             let body = &mut slots[slot as usize];
             let motion = &told.states.motions[place];
+            let since = history.forget_before(slot, now);
             if let Some((trajectory, last)) = body.replace_checked((now, motion, since)) {
                 monitored.replace(slot, trajectory, last, window);
             }
@@ -343,9 +346,10 @@ impl Monitor {
     }
 
     /// Replaces them on several threads.
-    fn share_replacements(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
+    fn share_replacements(&mut self, now: f64, window: Window, told: &ToldMotions) {
         /// Slots that one thread goes through together.
         const CHUNK: usize = 1024;
+        let history = HistoryEnd::of((self.reported, self.history), &self.search.changed);
         let slots = self.scene.slots_mut();
         let (by_slot, until) = self.search.monitored.by_slot_mut();
         let count = slots.len().min(by_slot.len());
@@ -357,10 +361,11 @@ impl Monitor {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
                 }
-                let motion = told.in_place(number * CHUNK + place);
-                let (Some(motion), Some(monitored)) = (motion, monitored) else {
+                let slot = number * CHUNK + place;
+                let (Some(motion), Some(monitored)) = (told.in_place(slot), monitored) else {
                     continue;
                 };
+                let since = history.forget_before(short(slot), now);
                 if let Some((trajectory, last)) = slots[place].replace_checked((now, motion, since))
                 {
                     monitored.replace(trajectory, last, window);

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 /// The last few straight motions of a body, one after another. They take no other memory, unless somebody asks
 /// for a list of cubics.
 ///
-/// Eight cache lines. A body that is told a state a tick has its motions in the first three and all else in the seventh.
+/// Seven cache lines. A body that is told a state a tick has its motions in the first two and all else in the sixth.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct RecentMotions {
@@ -27,9 +27,9 @@ pub(super) struct RecentMotions {
 }
 
 impl RecentMotions {
-    /// Number of pieces of a body that is told a state each tick: the piece that ended when the clock was last advanced, the
-    /// piece until the state is told, and the piece from then on.
-    pub(super) const USUAL: usize = 3;
+    /// Number of pieces of a body that is told a state each tick: the piece until the state is told, and the piece from then
+    /// on.
+    pub(super) const USUAL: usize = 2;
     /// Largest number of pieces. There is one more for each further state between two ticks: of a physics engine that takes
     /// up to four steps a tick.
     pub(super) const ROOM: usize = Self::USUAL + 3;
@@ -206,7 +206,7 @@ impl LastMotion {
     }
 
     /// Returns true if a motion certainly [replaces](super::Trajectory::replace_checked) the last one at `from` (s).
-    /// The last motion goes on in one piece from its knot to `from`. The first knot of the trajectory is before another
+    /// The last motion goes on in one piece from its knot to `from`. The first knot of the trajectory is not after another
     /// instant (both s). The new motion differs from the last one, and can be followed in all pieces up to `far` (s).
     #[inline]
     pub(crate) fn is_replaced_by(
@@ -221,7 +221,7 @@ impl LastMotion {
         let is_resolved = motion.duration() > 2.0 * f64::EPSILON * from.abs();
         let is_other = (motion.start() - self.start).abs() > 0.0 && motion.moves();
         is_other
-            && first_knot < start
+            && first_knot <= start
             && self.knot < from
             && from - self.knot <= Self::IN_ONE_PIECE
             && motion.start() <= from
@@ -236,12 +236,12 @@ mod tests {
     use std::mem::offset_of;
 
     #[test]
-    fn what_is_told_each_tick_takes_four_cache_lines() {
+    fn what_is_told_each_tick_takes_three_cache_lines() {
         let motions = offset_of!(RecentMotions, motions) + RecentMotions::USUAL * 64;
         let first = offset_of!(RecentMotions, count);
         let last = offset_of!(RecentMotions, piece_knots) + (RecentMotions::USUAL + 1) * 8;
-        assert!(size_of::<StraightMotion>() == 64 && motions <= 192);
+        assert!(size_of::<StraightMotion>() == 64 && motions <= 128);
         assert!(first % 64 == 0 && last <= first + 64, "{first} {last}");
-        assert_eq!(size_of::<RecentMotions>(), 512);
+        assert_eq!(size_of::<RecentMotions>(), 448);
     }
 }

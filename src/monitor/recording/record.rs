@@ -42,8 +42,8 @@ pub(in crate::monitor) enum Record {
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The beginning is not that of a recording of a known version.
-    #[error("not a recording of this version: it begins with {found:?}")]
+    /// The beginning is not that of a recording of the version that is read.
+    #[error("not a recording of the version that is read, {:?}: it begins with {found:?}", TITLE.trim_end())]
     NotARecording {
         /// First line, as far as it is text.
         found: String,
