@@ -7,6 +7,7 @@ use super::placement::FramePlacement;
 use super::slice_interval::SliceInterval;
 use super::straight_part::StraightPart;
 use crate::count::short;
+use crate::rounding::earliest_exact;
 use crate::trajectory::{StraightMotion, Trajectory, count_at_end};
 use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
@@ -50,8 +51,9 @@ impl<'a> StraightPieces<'a> {
         placement: impl FnOnce() -> FramePlacement,
     ) -> Option<Self> {
         let (motions, knots) = (plan.straight_motions(), plan.piece_knots());
-        // A piece before the first knot that ends as the slice begins counts with its last point.
-        let is_within = knots[0] < from || (before == 0 && knots[0] <= from);
+        // A piece before the first knot that ends as the slice begins counts with its last point. Without one, the first motion
+        // may be followed back by what rounds to the instant of the knot.
+        let is_within = knots[0] < from || (before == 0 && earliest_exact(knots[0]) <= from);
         (!motions.is_empty() && is_within).then(|| Self {
             motions,
             knots,
@@ -60,7 +62,7 @@ impl<'a> StraightPieces<'a> {
         })
     }
 
-    /// Returns the bounds of the body in a slice that does not begin before the first knot. (Beyond the listed knots, their
+    /// Returns the bounds of the body in a slice that begins no earlier than what rounds to the first knot. (Beyond the listed knots, their
     /// first cubic is named as the last one that is listed: searches for cubics go on from there.)
     #[inline(always)]
     pub(crate) fn bounds<const MOVES: bool>(

@@ -223,3 +223,43 @@ fn form_batch(
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+    use super::*;
+    use crate::monitor::{AlertLevel, Monitor};
+    use crate::rounding::earliest_exact;
+    use crate::scene::Body;
+    use crate::trajectory::{State, Trajectory};
+    use glam::DVec3;
+
+    /// Each piece costs a span in each pair; a cubic costs more than a straight motion.
+    #[test]
+    fn a_body_that_is_told_each_tick_has_two_straight_pieces_from_the_clock_on() {
+        let state = |now: f64| State::new(now, DVec3::splat(now), now * DVec3::X);
+        let mut scene = Scene::new();
+        let plan = Trajectory::coasting(state(10.0)).unwrap();
+        let ids = [0; 2].map(|_| scene.insert(Body::new(plan.clone())).unwrap());
+        let mut monitor = Monitor::new(scene, 10.0, 2.0, &[AlertLevel::at(0.1)]).unwrap();
+        for frame in 0..8 {
+            let clock = monitor.now();
+            let now = 10.0 + f64::from(frame) / 60.0;
+            monitor.track(now, ids.map(|id| (id, state(now)))).unwrap();
+            let search = &monitor.search;
+            let bodies = BodyTable::of(&monitor.scene, &search.monitored, &search.grid);
+            for id in ids {
+                let moving_frame = &search.grid.frame;
+                let is_straight = bodies
+                    .straight(id.slot, earliest_exact(clock), moving_frame)
+                    .is_some();
+                let knots = bodies.get(id.slot).unwrap().knots.own();
+                // At first there is the motion that was inserted.
+                let is_as_told = is_straight && knots[..2] == [clock, now] && knots.len() == 3;
+                assert!(frame < 4 || is_as_told, "{now} {is_straight} {knots:?}");
+            }
+            monitor.advance(now, &mut Vec::new()).unwrap();
+        }
+    }
+}

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
 use super::monitored_bodies::MonitoredBody;
-use super::pending_change::{ChangeContext, HistoryEnd};
+use super::pending_change::ChangeContext;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use crate::error::Error;
@@ -150,7 +150,7 @@ impl Monitor {
     /// as by [`orient`](Self::orient); without one the body goes on turning as it does.
     ///
     /// This call drops cubics that ended before the clock of the last tick, unless [`set_history`](Self::set_history) keeps
-    /// them. Those that ended at that very clock are dropped as well, unless the body has changed since.
+    /// them. Those that ended at that very clock are dropped as well, if `from` is later.
     ///
     /// A plan is late if `from` lies before the clock. A late plan is accepted if it continues from the clock on. The
     /// returned instant is then the latest of `from`, the start of the plan's [domain](Trajectory::domain) and the start of
@@ -373,7 +373,8 @@ impl Monitor {
             grid: &self.search.grid,
             window: Window::new(self.reported, end)?,
             now: self.now,
-            history: HistoryEnd::of((self.reported, self.history), &self.search.changed),
+            history_end: self.reported - self.history,
+            is_end_reported: self.history <= 0.0,
         })
     }
 
@@ -385,7 +386,7 @@ impl Monitor {
         (from, motion): (f64, &StraightMotion),
     ) -> Result<(), Error> {
         let context = self.change_context()?;
-        let (window, since) = (context.window, context.history.forget_before(id.slot, from));
+        let (window, since) = (context.window, context.forget_before(from));
         let trajectory = self.scene.replace_motion(id, (from, motion, since))?;
         self.search.replan(id.slot, trajectory, window)?;
         self.plan_ends.set(id.slot, f64::INFINITY);

@@ -8,7 +8,7 @@ use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::orientation::Orientation;
 use crate::parallel;
-use crate::scene::{Body, BodyPlan, Scene, checked_model_error};
+use crate::scene::{Body, BodyPlan, Scene};
 use crate::trajectory::Trajectory;
 
 /// A change to a monitor's scene, for [`Monitor::apply`](crate::Monitor::apply) or to be sent to a
@@ -182,10 +182,7 @@ impl CommandBatch {
             }
             Command::SetModelError(id, metres) => {
                 let change = self.change_of(scene, id, number)?;
-                let tag = change.body(scene)?.tag;
-                let checked = checked_model_error(metres);
-                let checked = checked.map_err(|error| refuse(error.in_body(tag).with_id(id)))?;
-                change.model_error = Some(checked);
+                change.set_model_error(scene, Some(metres))?;
             }
             Command::Orient(id, from, next) => {
                 let change = self.change_of(scene, id, number)?;
@@ -197,6 +194,7 @@ impl CommandBatch {
                 if let Some(next) = &plan.orientation {
                     change.orient(scene, (from, next), context)?;
                 }
+                change.set_model_error(scene, plan.model_error)?;
             }
             Command::Extend(id, plan) => {
                 let change = self.change_of(scene, id, number)?;
@@ -208,6 +206,7 @@ impl CommandBatch {
                 if let Some(turn) = turn {
                     change.orient(scene, turn, context)?;
                 }
+                change.set_model_error(scene, plan.model_error)?;
             }
         }
         Ok(())

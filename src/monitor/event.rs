@@ -124,7 +124,8 @@ pub enum EndReason {
     TrajectoryEnded,
     /// A change ended it: of a body's plan, orientation, hitbox, layers or model error; or the pair is now ignored. A
     /// body that leaves by a plan of `replan` or `track` that begins elsewhere, or by a rotation of `orient` or `track`, is
-    /// [`Separated`](Self::Separated) at that instant.
+    /// [`Separated`](Self::Separated) at that instant. (At the clock of the last tick only if no later plan comes before the
+    /// next tick: what was left there is forgotten.)
     PlanChanged,
     /// One of the bodies was removed.
     BodyRemoved,

@@ -67,7 +67,7 @@ pub(super) struct LookaheadSearch {
     pool: Pool<SliceScratch>,
     search_pool: Pool<SearchScratch>,
     /// Bodies that changed since the last catching up, each once.
-    pub(super) changed: SlotSet,
+    changed: SlotSet,
     /// Boxes of these bodies, for questions between ticks.
     recent: RecentChanges,
     /// Pairs that are ignored since the last catching up.

@@ -2,13 +2,12 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBody;
-use super::slot_set::SlotSet;
 use crate::error::{Error, check_change_time};
 use crate::hitbox::Hitbox;
 use crate::id::BodyId;
 use crate::layers::Layers;
 use crate::orientation::Orientation;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, Scene, checked_model_error};
 use crate::shape::BodyShape;
 use crate::trajectory::{StraightMotion, Trajectory};
 use crate::window::Window;
@@ -21,49 +20,23 @@ pub(super) struct ChangeContext<'m> {
     pub(super) window: Window,
     /// The clock of the last tick, s.
     pub(super) now: f64,
-    pub(super) history: HistoryEnd<'m>,
-}
-
-/// The end of what is kept of the past.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct HistoryEnd<'m> {
-    /// s.
-    end: f64,
-    /// True if the last tick reported all up to the end, and nothing later.
-    is_reported: bool,
-    /// Bodies that have changed since the last tick.
-    changed: &'m SlotSet,
-}
-
-impl<'m> HistoryEnd<'m> {
-    /// Returns the end of a history (s) before the instant up to which the last tick reported (s).
-    pub(super) fn of((reported, history): (f64, f64), changed: &'m SlotSet) -> Self {
-        Self {
-            end: reported - history,
-            is_reported: history <= 0.0,
-            changed,
-        }
-    }
-
-    /// Returns the end, s.
-    pub(super) const fn end(&self) -> f64 {
-        self.end
-    }
-
-    /// Returns the instant before which cubics end that the body in a slot forgets when it follows another motion from `from`
-    /// (s) on, s.
-    #[inline]
-    pub(super) fn forget_before(&self, slot: u32, from: f64) -> f64 {
-        // The last tick has seen what ends at that very instant, unless a cubic was cut off there since, or is now.
-        if self.is_reported && from > self.end && !self.changed.has(slot) {
-            self.end.next_up()
-        } else {
-            self.end
-        }
-    }
+    /// End of the history, s.
+    pub(super) history_end: f64,
+    /// True if the history ends at the instant up to which the last tick reported.
+    pub(super) is_end_reported: bool,
 }
 
 impl ChangeContext<'_> {
+    /// Returns the instant before which cubics end that a body forgets when it follows another motion from `from` (s) on, s.
+    pub(super) fn forget_before(&self, from: f64) -> f64 {
+        // The last tick has seen what ended at that very instant, unless it ends there only now.
+        if self.is_end_reported && from > self.history_end {
+            self.history_end.next_up()
+        } else {
+            self.history_end
+        }
+    }
+
     /// Returns the monitored body of a plan over the lookahead.
     pub(super) fn monitored_body(
         &self,
@@ -187,10 +160,9 @@ impl PendingChange {
             from,
             command: self.last,
         });
-        // An earlier plan of this batch is joined now, the body's own in `prepare`. No tick has seen that plan.
-        let since = |_| context.history.end();
+        // An earlier plan of this batch is joined now, the body's own in `prepare`.
         old.map_or(Ok(()), |old| {
-            self.precede_by(&old, self.body(scene)?.tag, context, since)
+            self.precede_by(&old, self.body(scene)?.tag, context)
         })
     }
 
@@ -215,9 +187,25 @@ impl PendingChange {
     ) -> Result<(), Refusal> {
         let body = self.body(scene)?;
         let before = self.orientation.as_ref().unwrap_or(&body.orientation);
-        let both = before.followed_by(next, from, context.history.end());
+        let both = before.followed_by(next, from, context.history_end);
         let both = both.map_err(|error| (self.last, error.in_body(body.tag).with_id(self.id)))?;
         self.orientation = Some(both);
+        Ok(())
+    }
+
+    /// Gives the body another model error (m), if there is one.
+    pub(super) fn set_model_error(
+        &mut self,
+        scene: &Scene,
+        metres: Option<f64>,
+    ) -> Result<(), Refusal> {
+        if let Some(metres) = metres {
+            let tag = self.body(scene)?.tag;
+            let checked = checked_model_error(metres);
+            let checked =
+                checked.map_err(|error| (self.last, error.in_body(tag).with_id(self.id)))?;
+            self.model_error = Some(checked);
+        }
         Ok(())
     }
 
@@ -234,7 +222,7 @@ impl PendingChange {
             from.map_err(|error| (splice.command, error.in_body(body.tag).with_id(self.id)))?;
         let keeps_shape =
             self.hitbox.is_none() && self.orientation.is_none() && self.model_error.is_none();
-        let times = (from, context.history.forget_before(self.id.slot, from));
+        let times = (from, context.forget_before(from));
         if keeps_shape && body.trajectory.can_replace(times, motion, context.window) {
             self.late = Some(from).filter(|from| asked < *from);
             self.in_place = Some((from, *motion));
@@ -251,9 +239,8 @@ impl PendingChange {
         if self.splice.is_none() {
             return Ok(());
         }
-        let (body, slot) = (self.body(scene)?, self.id.slot);
-        let since = |from| context.history.forget_before(slot, from);
-        self.precede_by(&body.trajectory, body.tag, context, since)
+        let body = self.body(scene)?;
+        self.precede_by(&body.trajectory, body.tag, context)
     }
 
     fn precede_by(
@@ -261,7 +248,6 @@ impl PendingChange {
         old: &Trajectory,
         tag: u64,
         context: &ChangeContext<'_>,
-        since: impl Fn(f64) -> f64,
     ) -> Result<(), Refusal> {
         let (Some(plan), Some(splice)) = (&mut self.trajectory, self.splice.take()) else {
             return Ok(());
@@ -272,7 +258,7 @@ impl PendingChange {
         };
         let spliced = from.and_then(|from| {
             self.late = splice.from.filter(|asked| *asked < from).map(|_| from);
-            plan.precede_by(old, from, since(from))
+            plan.precede_by(old, from, context.forget_before(from))
         });
         spliced.map_err(|error| (splice.command, error.in_body(tag).with_id(self.id)))
     }

@@ -2,11 +2,10 @@
 
 use super::Monitor;
 use super::command::CommandBatch;
-use super::pending_change::{ChangeContext, HistoryEnd};
+use super::pending_change::ChangeContext;
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use super::told_motions::{ToldMotions, ToldPlan};
-use crate::count::short;
 use crate::error::{Error, MAX_MAGNITUDE};
 use crate::id::BodyId;
 use crate::orientation::ToldSpin;
@@ -215,7 +214,7 @@ impl Monitor {
         if old.follows(motion, from) {
             return Ok(ToldPlan::Same(from));
         }
-        let since = context.history.forget_before(id.slot, from);
+        let since = context.forget_before(from);
         if old.can_replace((from, since), motion, context.window) {
             return Ok(ToldPlan::InPlace(from));
         }
@@ -231,7 +230,7 @@ impl Monitor {
     /// Lets all take effect. Nothing is refused.
     fn take_changes(&mut self, now: f64, told: &mut ToldMotions) -> Result<(), Error> {
         self.replace_in_place(now, told)?;
-        let since = self.change_context()?.history.end();
+        let since = self.change_context()?.history_end;
         for (place, plan) in told.others.drain(..) {
             let id = told.states.ids[place];
             let plan = plan?;
@@ -307,11 +306,12 @@ impl Monitor {
 
     /// Replaces the motions that can be replaced in place.
     fn replace_in_place(&mut self, now: f64, told: &ToldMotions) -> Result<(), Error> {
-        let window = self.change_context()?.window;
+        let context = self.change_context()?;
+        let (window, since) = (context.window, context.forget_before(now));
         if parallel::threads() > 1 && 2 * told.states.ids.len() > self.scene.slots() {
-            self.share_replacements(now, window, told);
+            self.share_replacements((now, since), window, told);
         } else {
-            self.replace_each(now, window, told);
+            self.replace_each((now, since), window, told);
         }
         let count = self.search.mark_all_changed(told.slots_in_place());
         self.count_changes(count);
@@ -319,9 +319,8 @@ impl Monitor {
     }
 
     /// Replaces them in the order in which they were told.
-    fn replace_each(&mut self, now: f64, window: Window, told: &ToldMotions) {
+    fn replace_each(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         const AHEAD: usize = CommandBatch::AHEAD;
-        let history = HistoryEnd::of((self.reported, self.history), &self.search.changed);
         let (slots, monitored) = (self.scene.slots_mut(), &mut self.search.monitored);
         for (place, is_replaced) in told.is_in_place.iter().enumerate() {
             // Bodies lie anywhere in memory.
@@ -338,7 +337,6 @@ impl Monitor {
             let slot = told.states.ids[place].slot;
             let body = &mut slots[slot as usize];
             let motion = &told.states.motions[place];
-            let since = history.forget_before(slot, now);
             if let Some((trajectory, last)) = body.replace_checked((now, motion, since)) {
                 monitored.replace(slot, trajectory, last, window);
             }
@@ -346,10 +344,9 @@ impl Monitor {
     }
 
     /// Replaces them on several threads.
-    fn share_replacements(&mut self, now: f64, window: Window, told: &ToldMotions) {
+    fn share_replacements(&mut self, (now, since): (f64, f64), window: Window, told: &ToldMotions) {
         /// Slots that one thread goes through together.
         const CHUNK: usize = 1024;
-        let history = HistoryEnd::of((self.reported, self.history), &self.search.changed);
         let slots = self.scene.slots_mut();
         let (by_slot, until) = self.search.monitored.by_slot_mut();
         let count = slots.len().min(by_slot.len());
@@ -361,11 +358,10 @@ impl Monitor {
                 if let Some(later) = slots.get(place + CommandBatch::AHEAD) {
                     later.prefetch_motion();
                 }
-                let slot = number * CHUNK + place;
-                let (Some(motion), Some(monitored)) = (told.in_place(slot), monitored) else {
+                let motion = told.in_place(number * CHUNK + place);
+                let (Some(motion), Some(monitored)) = (motion, monitored) else {
                     continue;
                 };
-                let since = history.forget_before(short(slot), now);
                 if let Some((trajectory, last)) = slots[place].replace_checked((now, motion, since))
                 {
                     monitored.replace(trajectory, last, window);

@@ -43,7 +43,7 @@ impl Monitor {
     ///   [coasts](crate::Outside::Coast) is followed back from its first knot to now: the answer is for another motion.)
     /// - A body that does not exist now is taken to get the plan as a whole, as by
     ///   [`set_trajectory`](Self::set_trajectory). Then the plan may begin later.
-    /// - Without an orientation in the plan, the body turns as it does.
+    /// - Without an orientation in the plan, the body turns as it does; without a model error, it has the one that it has.
     /// - Changes since the last tick count. Before the first tick (also of a [restored](Self::restore) monitor that had
     ///   changes), and while a [budget](Self::advance_within) leaves the monitor behind its clock, nothing is known:
     ///   [`Error::NothingKnown`], not an empty answer.
@@ -60,7 +60,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownAlertLevel`]; [`Error::UnknownBody`], [`Error::InBody`]; in a body [`Error::NoNewPlan`] if the body
-    /// exists now and the plan does not, or if the plan has ended by now; [`Error::NothingKnown`].
+    /// exists now and the plan does not, or if the plan has ended by now, or [`Error::ModelError`];
+    /// [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,
@@ -121,11 +122,13 @@ impl Monitor {
         id: BodyId,
         plan: BodyPlanRef<'a>,
     ) -> Result<HypotheticalBody<'a>, Error> {
+        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
+        let model_error = plan.model_error_of(body);
         let BodyPlanRef {
             trajectory: plan,
             orientation,
+            ..
         } = plan;
-        let body = self.scene.body(id).ok_or(Error::UnknownBody { id })?;
         let begin = if body.trajectory.domain().contains(self.now) {
             self.now
         } else {
@@ -136,7 +139,8 @@ impl Monitor {
         let orientation = orientation.unwrap_or(&body.orientation);
         let checked = Body::check_turning(&body.hitbox, orientation, body.tag);
         checked.map_err(|error| error.with_id(id))?;
-        let shape = BodyShape::new(&body.hitbox, orientation.turning(), body.model_error());
+        let model_error = model_error.map_err(|error| error.with_id(id))?;
+        let shape = BodyShape::new(&body.hitbox, orientation.turning(), model_error);
         let hypothetical = self.prepare_hypothetical((id, body.tag), (plan, shape));
         hypothetical.map_err(|error| error.with_id(id))
     }

@@ -97,8 +97,9 @@ impl Body {
     ///   never reaches from one that is reported into another.
     ///
     /// The plans that the body is given later have the same model error, until
-    /// [`Scene::set_model_error`](crate::Scene::set_model_error) or
-    /// [`Monitor::set_model_error`](crate::Monitor::set_model_error) changes it.
+    /// [`Scene::set_model_error`](crate::Scene::set_model_error),
+    /// [`Monitor::set_model_error`](crate::Monitor::set_model_error) or a
+    /// [plan](crate::BodyPlan::with_model_error) changes it.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;

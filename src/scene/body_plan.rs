@@ -1,5 +1,6 @@
 //! Plans: how a body moves and turns.
 
+use super::body::checked_model_error;
 use super::{Body, Scene};
 use crate::error::Error;
 use crate::hitbox::Hitbox;
@@ -7,9 +8,10 @@ use crate::id::BodyId;
 use crate::orientation::{Orientation, ToldSpin};
 use crate::trajectory::Trajectory;
 
-/// The motion of a body from some time on: a trajectory, and an orientation where that changes.
+/// The motion of a body from some time on: a trajectory, an orientation where that changes, and a model error where that
+/// changes.
 ///
-/// Calls that take a plan take a [`Trajectory`] as well: the body then goes on turning as it does.
+/// Calls that take a plan take a [`Trajectory`] as well: the body then goes on turning as it does, and keeps its model error.
 ///
 /// ```
 /// use nearmiss::glam::{DQuat, DVec3};
@@ -30,6 +32,12 @@ pub struct BodyPlan {
     pub trajectory: Trajectory,
     /// Rotation of the hitbox; `None` keeps the body's.
     pub orientation: Option<Orientation>,
+    /// [Model error](Self::with_model_error), m; `None` keeps the body's.
+    #[cfg_attr(
+        feature = "serde",
+        serde(default, skip_serializing_if = "Option::is_none")
+    )]
+    pub model_error: Option<f64>,
 }
 
 impl BodyPlan {
@@ -39,7 +47,38 @@ impl BodyPlan {
         Self {
             trajectory,
             orientation: Some(orientation),
+            model_error: None,
         }
+    }
+
+    /// Returns the plan with the [model error](Body::with_model_error) (m) that the body has once it follows the plan: as
+    /// that of a new fit. A body has one model error: it counts from the clock of the monitor's last tick on, before the
+    /// plan begins as well. The greater one of both plans is safe where the old plan is still followed.
+    ///
+    /// ```
+    /// use nearmiss::glam::DVec3;
+    /// use nearmiss::{Body, BodyPlan, Query, Scene, State, Trajectory};
+    ///
+    /// let mut scene = Scene::new();
+    /// let fly = |y| [-9.0, 9.0].map(|t| State::new(t, DVec3::new(t, y, 0.0), DVec3::X));
+    /// let drone = scene.insert(Body::new(Trajectory::from_states(&fly(9.0))?))?;
+    /// scene.insert(Body::new(Trajectory::at_rest(DVec3::ZERO)?))?;
+    /// // It passes 3 m beside the other one, or by its fit 2.75 m.
+    /// let plan = BodyPlan::from(Trajectory::from_states(&fly(3.0))?);
+    /// let query = Query::default().with_margin(2.9);
+    /// assert!(scene.what_if(drone, &plan, &query)?.is_empty());
+    /// assert_eq!(scene.what_if(drone, &plan.with_model_error(0.25)?, &query)?.len(), 1);
+    /// # Ok::<(), nearmiss::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ModelError`] if it is negative, NaN, infinite or above 1e300.
+    pub fn with_model_error(self, metres: f64) -> Result<Self, Error> {
+        Ok(Self {
+            model_error: Some(checked_model_error(metres)?),
+            ..self
+        })
     }
 }
 
@@ -48,6 +87,7 @@ impl From<Trajectory> for BodyPlan {
         Self {
             trajectory,
             orientation: None,
+            model_error: None,
         }
     }
 }
@@ -58,6 +98,19 @@ impl From<Trajectory> for BodyPlan {
 pub struct BodyPlanRef<'p> {
     pub(crate) trajectory: &'p Trajectory,
     pub(crate) orientation: Option<&'p Orientation>,
+    model_error: Option<f64>,
+}
+
+impl BodyPlanRef<'_> {
+    /// Returns the model error of a body that follows the plan, m.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InBody`] with [`Error::ModelError`].
+    pub(crate) fn model_error_of(&self, body: &Body) -> Result<f64, Error> {
+        let metres = self.model_error.unwrap_or(body.model_error());
+        checked_model_error(metres).map_err(|error| error.in_body(body.tag))
+    }
 }
 
 impl<'p> From<&'p Trajectory> for BodyPlanRef<'p> {
@@ -65,6 +118,7 @@ impl<'p> From<&'p Trajectory> for BodyPlanRef<'p> {
         Self {
             trajectory,
             orientation: None,
+            model_error: None,
         }
     }
 }
@@ -74,6 +128,7 @@ impl<'p> From<&'p BodyPlan> for BodyPlanRef<'p> {
         Self {
             trajectory: &plan.trajectory,
             orientation: plan.orientation.as_ref(),
+            model_error: plan.model_error,
         }
     }
 }

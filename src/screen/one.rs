@@ -112,8 +112,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::InBody`] with [`Error::TurningHalfSpace`];
-    /// [`Error::UnknownBody`].
+    /// Those of [`screen`](Self::screen), except [`Error::TooCrowded`]; [`Error::InBody`] with [`Error::TurningHalfSpace`]
+    /// or [`Error::ModelError`]; [`Error::UnknownBody`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,
@@ -122,7 +122,9 @@ impl Scene {
     ) -> Result<Vec<Conflict>, Error> {
         let body = self.body(id).ok_or(Error::UnknownBody { id })?;
         let plan = plan.into();
-        let mut changed = body.clone();
+        let model_error = plan.model_error_of(body);
+        let model_error = model_error.map_err(|error| error.with_id(id))?;
+        let mut changed = body.clone().with_model_error(model_error)?;
         changed.trajectory.clone_from(plan.trajectory);
         if let Some(orientation) = plan.orientation {
             changed.orientation.clone_from(orientation);

@@ -91,12 +91,18 @@ impl SliceBounds {
         /// Bodies that tell how large most are.
         const SAMPLED: usize = 33;
         let stride = self.bodies.len().div_ceil(SAMPLED).max(1);
-        let mut radii: ArrayVec<f32, SAMPLED> = self
-            .fat_lines
-            .iter()
-            .step_by(stride)
-            .map(|line| line.radius)
-            .collect();
+        let sampled = self.fat_lines.iter().zip(&self.bodies).step_by(stride);
+        let radii = sampled.map(|(line, &body)| {
+            // Most may teleport in one slice.
+            let parts = if line.may_teleport() {
+                parts(body)
+            } else {
+                ArrayVec::new()
+            };
+            let largest = parts.iter().map(|(line, _)| line.radius).reduce(f32::max);
+            largest.unwrap_or(line.radius)
+        });
+        let mut radii: ArrayVec<f32, SAMPLED> = radii.collect();
         radii.sort_unstable_by(f32::total_cmp);
         // Ways that are no longer than most bodies are large are not worth another place.
         let least = radii

@@ -289,15 +289,15 @@ impl Crowd {
         *self.monitor.stats()
     }
 
-    /// Tells the first bodies other velocities again and again, with coordinates up to a speed (m/s); returns how many
-    /// boxes and candidates the later ticks had.
+    /// Tells the first bodies other velocities again and again, with coordinates up to a speed (m/s); returns the work of the
+    /// later ticks, in candidates. A box takes as long as six of them, at least.
     fn turn(&mut self, count: usize, speed: f64) -> u64 {
         let ticks = (0..22).map(|_| {
             self.tell(count, |rng, state| {
                 State::new(state.time, state.position, vector(rng, speed))
             })
         });
-        let work = ticks.map(|stats| stats.boxes + stats.candidates);
+        let work = ticks.map(|stats| 6 * stats.boxes + stats.candidates);
         work.skip(2).sum()
     }
 

@@ -21,8 +21,20 @@ struct Followed {
     /// What was last sent of it: enter, exit, open, closest.
     sent: (f64, f64, bool, ClosestApproach),
     has_begun: bool,
+    /// It ends with a trajectory.
+    is_last: bool,
     /// The closest that the clock has passed.
     passed: Option<ClosestApproach>,
+}
+
+impl Followed {
+    fn reason_of_end(&self) -> EndReason {
+        if self.is_last {
+            EndReason::TrajectoryEnded
+        } else {
+            EndReason::Separated
+        }
+    }
 }
 
 /// An encounter as the plans have it now.
@@ -226,10 +238,12 @@ fn gone(
     if is_there && unknown {
         return Some(followed);
     }
-    let reason = if is_there {
-        EndReason::PlanChanged
-    } else {
-        EndReason::BodyRemoved
+    // What ended at the very instant that was reported last had ended by its plans. They may be forgotten.
+    let has_ended = followed.has_begun && !followed.open && followed.exit <= tick.before;
+    let reason = match (is_there, has_ended) {
+        (false, _) => EndReason::BodyRemoved,
+        (true, true) => followed.reason_of_end(),
+        (true, false) => EndReason::PlanChanged,
     };
     if followed.has_begun {
         // What was reported up to then stays.
@@ -267,6 +281,7 @@ fn go_on(
             closest: planned.closest,
             sent: (planned.enter?, planned.exit, planned.open, planned.closest),
             has_begun: false,
+            is_last: false,
             passed: None,
         },
     };
@@ -274,6 +289,7 @@ fn go_on(
         tell(tick.now, 0, &this, 0);
     }
     (this.exit, this.open, this.closest) = (planned.exit, planned.open, planned.closest);
+    this.is_last = planned.is_last;
     if this.has_begun {
         // A new plan never rewrites the past.
         this.closest = nearer(this.passed, this.closest);
@@ -298,12 +314,7 @@ fn go_on(
             this.passed = Some(nearer(this.passed, least));
         }
         if !this.open && this.exit < tick.reported {
-            let reason = if planned.is_last {
-                EndReason::TrajectoryEnded
-            } else {
-                EndReason::Separated
-            };
-            tell(this.exit, 4, &this, reason as u64 + 1);
+            tell(this.exit, 4, &this, this.reason_of_end() as u64 + 1);
             return None;
         }
     }

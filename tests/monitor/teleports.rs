@@ -155,3 +155,41 @@ fn few_that_teleport_among_many_are_compared_at_their_places_alone() {
         assert!(spans < 25 * teleports, "{spans} of {teleports}");
     }
 }
+
+/// A round that begins again: all bodies are told another place in one frame. None is compared with all that is between its
+/// places, in that tick and in the next one.
+#[test]
+fn all_that_teleport_at_once_are_compared_at_their_places_alone() {
+    const BODIES: u64 = 3_000;
+    const HALF: f64 = 120.0;
+    let rng = &mut rng(914);
+    let mut scene = Scene::new();
+    let mut states: Vec<(BodyId, DVec3, DVec3)> = (0..BODIES)
+        .map(|_| {
+            let (place, velocity) = (vector(rng, HALF), vector(rng, 5.0));
+            let plan = Trajectory::coasting(State::new(0.0, place, velocity)).unwrap();
+            let body = Body::new(plan).with_hitbox(Hitbox::sphere(0.5).unwrap());
+            (scene.insert(body).unwrap(), place, velocity)
+        })
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &[LEVEL]).unwrap();
+    let (mut events, mut spans) = (Vec::new(), Vec::new());
+    for frame in 1..12 {
+        let now = f64::from(frame) / 60.0;
+        for (_, place, velocity) in &mut states {
+            *place += *velocity / 60.0;
+            if frame == 8 {
+                *place = vector(rng, HALF);
+            }
+        }
+        let told = states
+            .iter()
+            .map(|&(id, place, velocity)| (id, State::new(now, place, velocity)));
+        monitor.track(now, told).unwrap();
+        monitor.advance(now, &mut events).unwrap();
+        is_as_screened(&monitor, LEVEL);
+        spans.push(monitor.stats().spans);
+    }
+    assert!(events.len() > 100, "{}", events.len());
+    assert!(spans[4..].iter().all(|&few| few < 4 * BODIES), "{spans:?}");
+}

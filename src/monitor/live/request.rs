@@ -87,7 +87,7 @@ fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
         (
             Request::Change(Command::SetTrajectory(..)),
             Request::Change(Command::Replan(_, _, earlier) | Command::Extend(_, earlier)),
-        ) => earlier.orientation.is_none(),
+        ) => earlier.orientation.is_none() && earlier.model_error.is_none(),
         (Request::Change(Command::SetTrajectory(..)), _) => true,
         (
             Request::Change(Command::Replan(_, from, plan)),
@@ -95,7 +95,8 @@ fn replaces(later: &Request, earlier: &Request, clock: f64) -> bool {
         ) => {
             let moves = &plan.trajectory;
             let is_taken = moves.goes_on_from(*from) && moves.goes_on_from(from.max(clock));
-            from <= earlier_from && is_taken && turns_instead(plan, earlier)
+            let has_error = plan.model_error.is_some() || earlier.model_error.is_none();
+            from <= earlier_from && is_taken && has_error && turns_instead(plan, earlier)
         }
         _ => false,
     }

@@ -231,8 +231,8 @@ fn an_orientation_is_not_lost_with_the_plan_that_carried_it() {
     let replan = |orientation: &Option<Orientation>| {
         let (trajectory, orientation) = (rest(0.0), orientation.clone());
         let plan = BodyPlan {
-            trajectory,
             orientation,
+            ..trajectory.into()
         };
         Request::Change(Command::Replan(id, 5.0, plan))
     };

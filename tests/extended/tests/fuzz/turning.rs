@@ -144,9 +144,9 @@ fn call() -> impl Strategy<Value = Call> {
 
 /// Makes the call about one of the bodies. Returns its refusal, if it could be made.
 fn make(monitor: &mut Monitor, id: BodyId, call: Call, now: f64) -> Result<(), Error> {
-    let body_plan = |trajectory, orientation| BodyPlan {
-        trajectory,
+    let body_plan = |trajectory: Trajectory, orientation| BodyPlan {
         orientation,
+        ..trajectory.into()
     };
     match call {
         Call::Track(told) => {
