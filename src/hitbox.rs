@@ -83,6 +83,10 @@ struct Cluster {
     arm: f64,
     /// Largest distance from the body's position to a sphere's surface, m.
     radius: f64,
+    /// Smallest radius, m.
+    smallest: f64,
+    /// See [`Hitbox::has_long_arms`].
+    has_long_arms: bool,
 }
 
 impl Hitbox {
@@ -132,9 +136,16 @@ impl Hitbox {
         let reaches = distances()
             .zip(&spheres)
             .map(|(far, sphere)| far + sphere.radius);
+        let radius = reaches.fold(0.0, f64::max);
+        let thinnest = 0.5 * (high - low).min_element();
         let cluster = Cluster {
             arm: distances().fold(0.0, f64::max),
-            radius: reaches.fold(0.0, f64::max),
+            radius,
+            has_long_arms: bounding.radius < 0.75 * radius || thinnest < 0.4 * radius,
+            smallest: spheres
+                .iter()
+                .map(|sphere| sphere.radius)
+                .fold(f64::INFINITY, f64::min),
             spheres,
             low,
             high,
@@ -200,6 +211,8 @@ impl Hitbox {
                     high: DVec3::INFINITY,
                     arm: 0.0,
                     radius: f64::INFINITY,
+                    smallest: f64::INFINITY,
+                    has_long_arms: false,
                 })),
             })
         } else {
@@ -283,10 +296,20 @@ impl Hitbox {
         cluster.map_or(self.reach, |cluster| cluster.radius)
     }
 
+    /// Returns true if the spheres lie aside of the body's position, or if the box around them is thin: the ball around the position
+    /// that contains them is mostly empty.
+    #[inline]
+    pub(crate) fn has_long_arms(&self) -> bool {
+        match &self.cluster {
+            None => self.bounding.radius < 0.6 * self.reach,
+            Some(cluster) => cluster.has_long_arms,
+        }
+    }
+
     /// Returns the smallest radius, m.
     pub(crate) fn smallest_radius(&self) -> f64 {
-        let radii = self.spheres().iter().map(|sphere| sphere.radius);
-        radii.fold(f64::INFINITY, f64::min)
+        let cluster = self.cluster.as_ref();
+        cluster.map_or(self.bounding.radius, |cluster| cluster.smallest)
     }
 }
 

@@ -36,6 +36,17 @@ impl<'a> BodyShape<'a> {
         self.turning
     }
 
+    #[inline]
+    pub(crate) const fn hitbox(&self) -> &'a Hitbox {
+        self.hitbox
+    }
+
+    /// Returns true if the body [has long arms](Hitbox::has_long_arms), and turns.
+    #[inline]
+    pub(crate) fn has_long_arms(&self) -> bool {
+        self.turning.is_some() && self.hitbox.has_long_arms()
+    }
+
     /// Returns the spheres in the body's frame.
     #[inline]
     pub(crate) fn spheres(&self) -> &'a [Sphere] {

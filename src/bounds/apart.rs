@@ -19,8 +19,8 @@ pub(crate) enum HullTest {
     Apart,
     /// The bodies may come near. Rounding is small: the same test in f64 would rule out little more.
     Near,
-    /// Undecided: f32 rounding is too large next to the distance in question. A test in f64 may still show that the
-    /// bodies stay apart.
+    /// Undecided: f32 rounding is too large next to the distance in question, or one of the bodies turns and has long arms. A test in
+    /// f64 may still show that the bodies stay apart.
     Undecided,
 }
 
@@ -76,7 +76,8 @@ fn hull_test_of<const UNLISTED: bool>(
     if (1e-30..1e30).contains(&square) && points.iter().all(|point| point.dot(sum) > beyond) {
         return HullTest::Apart;
     }
-    if total_rounding <= SMALL * radius {
+    let has_long_arms = placement_a.has_long_arms | placement_b.has_long_arms;
+    if total_rounding <= SMALL * radius && !has_long_arms {
         HullTest::Near
     } else {
         HullTest::Undecided

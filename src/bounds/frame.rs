@@ -239,6 +239,8 @@ pub(crate) struct Padding {
     pub(super) high: Vec4,
     /// Largest distance from the body's position within bounding sphere and half the margin.
     pub(super) reach: f32,
+    /// True if the body turns and has long arms.
+    pub(super) has_long_arms: bool,
     /// The magnitude to which the rounding of the padding is relative.
     pub(super) size: f32,
 }
@@ -248,6 +250,7 @@ impl Padding {
         low: Vec4::ZERO,
         high: Vec4::ZERO,
         reach: 0.0,
+        has_long_arms: false,
         size: 0.0,
     };
 
@@ -266,6 +269,7 @@ impl Padding {
             low: nearest_vector((low - half) * frame.power, 0.0),
             high: nearest_vector((high + half) * frame.power, 0.0),
             reach: nearest((shape.reach() + half) * frame.power),
+            has_long_arms: shape.has_long_arms(),
             size: nearest(Self::size(shape, margin) * frame.power),
         }
     }
@@ -273,6 +277,11 @@ impl Padding {
     /// Returns the largest distance from the body's position within bounding sphere and half the margin, in the frame's unit.
     pub(crate) const fn reach(&self) -> f32 {
         self.reach
+    }
+
+    /// Returns true if the body turns and has long arms.
+    pub(crate) const fn has_long_arms(&self) -> bool {
+        self.has_long_arms
     }
 
     /// Returns a bound on the padding, m, that is not reduced by cancellation.

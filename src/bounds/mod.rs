@@ -2,7 +2,8 @@
 //!
 //! A box contains every position from which the exact solver would report a contact, including the
 //! solver's own rounding. Its padding is the hitbox and half the margin. Rounding is added, more than the clearance of
-//! all rejections (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius.
+//! all rejections (see `rounding`). A [`FatLine`] is a closer bound: a straight line and a radius. The padding of a body that
+//! turns is a ball. If that is mostly empty, box and fat line are then [brought closer](tighten).
 //!
 //! From a trajectory to a box, all in f32: the cubics of a [`CompactTrajectory`] (or its segments,
 //! if few boxes are needed) are split at the ends of slices into [`SubCubic`]s. A [`BoundsBuilder`]
@@ -30,6 +31,7 @@ mod source;
 mod straight_part;
 mod straight_pieces;
 mod sub_cubic;
+mod swept;
 
 pub(crate) use apart::{BodyCubic, HullTest, hull_test};
 pub(crate) use builder::BoundsBuilder;
@@ -42,6 +44,7 @@ pub(crate) use slice_interval::SliceInterval;
 pub(crate) use source::{BoundingCubic, CubicSource};
 pub(crate) use straight_pieces::{MAX_PLACES, StraightPieces};
 pub(crate) use sub_cubic::SubCubic;
+pub(crate) use swept::tighten;
 
 use glam::{DVec3, Vec4};
 

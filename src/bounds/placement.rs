@@ -17,6 +17,8 @@ pub(crate) struct FramePlacement {
     pub(super) low: Vec4,
     pub(super) high: Vec4,
     pub(super) reach: f32,
+    /// True if the body turns and has long arms.
+    pub(super) has_long_arms: bool,
     /// Rounding that is the same in all of the body's boxes, in the frame's unit; infinite where the frame
     /// does not serve the body. A frame chosen for all bodies always does.
     pub(super) constant_rounding: f32,
@@ -30,6 +32,7 @@ impl FramePlacement {
         low: Vec4::ZERO,
         high: Vec4::ZERO,
         reach: 0.0,
+        has_long_arms: false,
         constant_rounding: 0.0,
     };
 
@@ -61,6 +64,7 @@ impl FramePlacement {
             low: origin + padding.low,
             high: origin + padding.high,
             reach: padding.reach,
+            has_long_arms: padding.has_long_arms,
             // What underflows on either side of the factor is below a smallest normal number.
             constant_rounding: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE * factor.max(1.0),
         }
@@ -79,6 +83,7 @@ impl FramePlacement {
             low: padding.low,
             high: padding.high,
             reach: padding.reach,
+            has_long_arms: padding.has_long_arms,
             constant_rounding: 8.0 * ROUNDING * padding.size + f32::MIN_POSITIVE,
         }
     }

@@ -2,12 +2,13 @@
 
 use super::grid::Grid;
 use super::monitored_bodies::MonitoredBodies;
-use crate::bounds::{CubicSource, FatLine, Frame, MAX_PLACES, Padding, StraightPieces};
+use crate::bounds::{CubicSource, FatLine, Frame, MAX_PLACES, Padding, StraightPieces, tighten};
 use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
 use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace, list_present};
+use crate::shape::BodyShape;
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
 use arrayvec::ArrayVec;
@@ -25,6 +26,15 @@ pub(super) struct BodyTable<'m> {
 impl Bodies for BodyTable<'_> {
     fn view(&self, body: u32) -> BodyView<'_> {
         self.get(body).unwrap_or(BodyView::NONE)
+    }
+
+    fn have_long_arms(&self) -> bool {
+        self.monitored.have_long_arms
+    }
+
+    fn long_arms(&self, body: u32) -> Option<BodyShape<'_>> {
+        let (monitored, body) = self.monitored.with_body(self.scene, body)?;
+        monitored.padding.has_long_arms().then(|| body.shape())
     }
 
     fn fetch(&self, body: u32) {
@@ -138,6 +148,14 @@ impl<'m> BodyTable<'m> {
         list_present(lives.map(|(life, _)| life), slots.start, interval, present);
     }
 
+    /// Brings the bounds of a body in an interval (s) closer, if it turns and has long arms.
+    #[inline(never)]
+    fn tighten(&self, body: u32, interval: (f64, f64), bounds: (&mut FatLine, &mut Aabb)) {
+        if let Some(shape) = self.long_arms(body) {
+            tighten(shape, interval, &self.grid.frame, bounds);
+        }
+    }
+
     /// Calls `visit` with the box and the fat line of each body in each slice in which it exists,
     /// slices numbered from 0; in each slice in the order of `slots`. `ends`: see [`FormInPlace`].
     pub(super) fn boxes(
@@ -153,7 +171,11 @@ impl<'m> BodyTable<'m> {
             bodies: self,
             present: slots,
             ends,
-            put: |(_, body), slice, (fat_line, aabb)| {
+            put: |(_, body), slice, (mut fat_line, mut aabb)| {
+                if self.monitored.have_long_arms {
+                    let interval = (ends[slice], ends[slice + 1]);
+                    self.tighten(body, interval, (&mut fat_line, &mut aabb));
+                }
                 visit(slice, BodyBox { aabb, body }, &fat_line);
             },
         });

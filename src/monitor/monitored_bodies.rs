@@ -198,6 +198,8 @@ pub(super) struct MonitoredBodies {
     half_spaces: Vec<u32>,
     /// Instant up to which all plans without end are followed, s.
     until: f64,
+    /// True if some bodies turn, or turned, and have long arms.
+    pub(super) have_long_arms: bool,
 }
 
 impl Default for MonitoredBodies {
@@ -207,6 +209,7 @@ impl Default for MonitoredBodies {
             bodies: 0,
             half_spaces: Vec::new(),
             until: f64::INFINITY,
+            have_long_arms: false,
         }
     }
 }
@@ -229,6 +232,7 @@ impl MonitoredBodies {
         }
         if let Some(monitored) = &monitored {
             self.until = self.until.min(monitored.until());
+            self.have_long_arms |= monitored.padding.has_long_arms();
         }
         let is_half_space = monitored.as_ref().is_some_and(|body| body.is_half_space);
         match self.half_spaces.binary_search(&slot) {
@@ -293,6 +297,7 @@ impl MonitoredBodies {
     pub(super) fn set_padding(&mut self, slot: u32, padding: Padding) {
         if let Some(Some(monitored)) = self.by_slot.get_mut(slot as usize) {
             monitored.padding = padding;
+            self.have_long_arms |= padding.has_long_arms();
         }
     }
 

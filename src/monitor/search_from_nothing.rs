@@ -6,8 +6,8 @@ use crate::count::short;
 use crate::pool::Pool;
 use crate::scene::PairAdmission;
 use crate::search::{
-    LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, SourcesInPlace, TimeSlices,
-    WindowSearch,
+    Bodies, LimitExceeded, Limits, SceneStatistics, SearchScratch, SliceTrials, SourcesInPlace,
+    TimeSlices, WindowSearch,
 };
 use crate::simd::InstructionSet;
 use crate::spans::SpanKey;
@@ -62,7 +62,12 @@ impl SearchFromNothing<'_> {
                     let slots = slots.iter().map(|&slot| short(slot));
                     slots.map(|slot| self.table.source(slot, frame)).collect()
                 };
-                trials.cheapest(whole.with_count(count), (&statistics, filter), &sources)
+                trials.cheapest(
+                    whole.with_count(count),
+                    (&statistics, filter),
+                    &sources,
+                    &|slot| self.table.long_arms(slot),
+                )
             }
         };
         stats.bounds_time += begin.elapsed();

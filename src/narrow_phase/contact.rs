@@ -2,6 +2,7 @@
 
 use super::clusters::{ClusterPair, KeptQuestion, ProvenContact, SolvedCuts};
 use super::half_space::{self, may_touch_plane};
+use super::long_arms::are_apart;
 use super::profile::DistanceProfile;
 use super::rejection::{certainly_beyond, segments_apart};
 use super::relative::{RelativeCubic, RelativeMotion, local_scale, rejection_threshold};
@@ -11,6 +12,7 @@ use crate::accuracy::Accuracy;
 use crate::conflict::Clip;
 use crate::rounding::UNIT_ROUNDOFF;
 use crate::spans::Span;
+use glam::DVec3;
 use std::cmp::Ordering;
 
 /// A pair of spheres whose distance over a span is solved. Contacts at any margin and window follow without a
@@ -96,14 +98,23 @@ pub(crate) fn may_touch(
     let [segment_a, segment_b] = &a.segments_in(b, span);
     let offset = a.bounding.offset - b.bounding.offset;
     let whole = (span.start, span.end);
-    let threshold = rejection_threshold(radius, local_scale(segment_a, segment_b, whole, offset));
+    let scale = local_scale(segment_a, segment_b, whole, offset);
+    let threshold = rejection_threshold(radius, scale);
     let within_knots = segment_a.covers(whole.0, whole.1) && segment_b.covers(whole.0, whole.1);
     if within_knots && segments_apart(segment_a, segment_b, offset, threshold) {
         return false;
     }
     let part = (whole.0.max(interval.0), whole.1.min(interval.1));
-    let points = RelativeMotion::between(segment_a, segment_b, part).points(offset);
-    !certainly_beyond(&points, threshold)
+    let motion = RelativeMotion::between(segment_a, segment_b, part);
+    if certainly_beyond(&motion.points(offset), threshold) {
+        return false;
+    }
+    if a.has_long_arms() || b.has_long_arms() {
+        let scale = scale + 4.0 * (a.bounding.radius + b.bounding.radius);
+        let points = motion.points(DVec3::ZERO);
+        return !are_apart([a, b], (&points, part), (margin, scale));
+    }
+    true
 }
 
 /// Solves each pair of spheres over a span that matters to a question, and calls `solved` with those that come within the

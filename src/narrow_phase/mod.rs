@@ -17,6 +17,7 @@ mod crossing;
 mod dips;
 mod half_space;
 pub mod kernels;
+mod long_arms;
 mod profile;
 mod rejection;
 mod relative;
@@ -31,7 +32,7 @@ pub(crate) use contact::{SolvedSpan, closest_approach, contacts, contacts_of, ma
 pub(crate) use half_space::HeightRange;
 pub(crate) use sphere_pair::{Approach, Contact};
 
-use crate::hitbox::Sphere;
+use crate::hitbox::{Hitbox, Sphere};
 use crate::knots::Knots;
 use crate::orientation::Turning;
 use crate::rounding::{sum_above, two_sum};
@@ -56,6 +57,8 @@ pub(crate) struct BodyView<'a> {
     /// Sphere that contains all spheres, enlarged by the model error; for a half-space its normal, and an
     /// infinite radius.
     pub(crate) bounding: Sphere,
+    /// The hitbox of these spheres; `None` of a sphere that stands in for it.
+    pub(crate) hitbox: Option<&'a Hitbox>,
     /// Turning motion of the spheres, if that changes anything.
     pub(crate) turning: Option<&'a Turning>,
     /// [Model error](crate::Body::with_model_error) of the body, m.
@@ -81,6 +84,7 @@ impl<'a> BodyView<'a> {
             plan: None,
             spheres: shape.spheres(),
             bounding: shape.bounding(),
+            hitbox: Some(shape.hitbox()),
             turning: shape.turning(),
             model_error: shape.model_error(),
         }
@@ -137,6 +141,13 @@ impl<'a> BodyView<'a> {
         ]
     }
 
+    /// Returns true if the body turns, and a box that turns with it tells more of where its spheres are than the bounding
+    /// sphere does.
+    #[inline]
+    pub(crate) fn has_long_arms(&self) -> bool {
+        self.turning.is_some() && self.hitbox.is_some_and(Hitbox::has_long_arms)
+    }
+
     /// Returns true if the hitbox is a half-space.
     pub(crate) const fn is_half_space(&self) -> bool {
         self.bounding.radius.is_infinite()
@@ -154,6 +165,7 @@ impl BodyView<'_> {
             offset: DVec3::ZERO,
             radius: 0.0,
         },
+        hitbox: None,
         turning: None,
         model_error: 0.0,
     };

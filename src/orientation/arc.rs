@@ -117,6 +117,25 @@ impl Arc {
         DQuat::from_xyzw(x, y, z, cosine) * self.rotation
     }
 
+    /// Returns the error of a cubic over an angle (rad) that ends so many units of time from the instant of `rotation`.
+    fn error(&self, angle: f64, away: f64) -> f64 {
+        interpolation_error(angle) + self.rounding + self.drift * away
+    }
+
+    /// Returns true if all cubics of a duration (s), or of less, that meet an interval (s) have at most this error.
+    pub(super) fn is_known(&self, (from, to): (f64, f64), duration: f64, largest: f64) -> bool {
+        let away = (from - self.time).abs().max((to - self.time).abs()) + duration;
+        // Their ends, and this, have a few roundings.
+        let [angle, away] =
+            [self.angle * duration, away].map(|one| one / self.duration * (1.0 + 1e-9));
+        self.error(angle, away) <= largest
+    }
+
+    /// Returns the angular speed, rad/s.
+    pub(super) fn speed(&self) -> f64 {
+        self.angle / self.duration
+    }
+
     /// Returns the cubic between two instants (s), or the one of an unknown rotation where its
     /// error would exceed `largest`.
     ///
@@ -130,7 +149,7 @@ impl Arc {
         let lengths = (end - start) / self.duration;
         let angle = self.angle * lengths;
         let away = (start - self.time).abs().max((end - self.time).abs()) / self.duration;
-        let error = interpolation_error(angle) + self.rounding + self.drift * away;
+        let error = self.error(angle, away);
         if error.is_nan() || error > largest {
             return BakedRotation::unknown(ends);
         }

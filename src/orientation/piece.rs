@@ -96,6 +96,33 @@ impl RotationPiece {
         }
     }
 
+    /// Returns the rotation at a constant rate that the piece is, if cubics that meet an interval (s) have at most these errors.
+    #[inline]
+    pub(super) fn known_arc(&self, ends: (f64, f64), largest: [f64; 2]) -> Option<&Arc> {
+        let RotationCurve::Arc(arc) = &self.motion else {
+            return None;
+        };
+        let durations = match self.cuts {
+            Cuts::None => return Some(arc),
+            Cuts::Equal((start, end), counts) => {
+                counts.map(|count| (end - start) / f64::from(count))
+            }
+            Cuts::Steps(origin, steps) => {
+                let far = [ends.0, ends.1, ends.0 - origin, ends.1 - origin]
+                    .into_iter()
+                    .fold(0.0, |far: f64, time| far.max(time.abs()));
+                // Nothing is known beyond twice that.
+                if steps.iter().any(|step| far >= 0.5 * FAR * step) {
+                    return None;
+                }
+                steps
+            }
+        };
+        let mut known = durations.into_iter().zip(largest);
+        let is_known = known.all(|(duration, largest)| arc.is_known(ends, duration, largest));
+        is_known.then_some(arc)
+    }
+
     /// Returns the cuts around an instant (s) of the piece, and true if the rotation is known
     /// between them.
     pub(super) fn around(&self, time: f64, set: usize) -> (f64, f64, bool) {
@@ -152,10 +179,11 @@ fn equal_part(ends: (f64, f64), count: u32, time: f64) -> (f64, f64) {
     )
 }
 
+/// Steps from the origin of time, and from that of the cuts, that still have two bits.
+const FAR: f64 = (1_u64 << 50) as f64;
+
 /// Returns the cuts of equal steps around an instant, and true if f64 can tell them apart there.
 fn step_around(origin: f64, step: f64, time: f64) -> (f64, f64, bool) {
-    /// Steps from the origin of time, and from that of the cuts, that still have two bits.
-    const FAR: f64 = (1_u64 << 50) as f64;
     let reach = FAR * step;
     let (first, last) = ((origin - reach).max(-reach), (origin + reach).min(reach));
     if first >= last {

@@ -4,10 +4,11 @@ use super::arc::Arc;
 use super::baked::BakedRotation;
 use super::given::GivenRotation;
 use super::piece::{RotationPiece, set_of};
+use super::quaternion_cubic::matrix;
 use crate::accuracy::Accuracy;
 use crate::error::Error;
 use crate::trajectory::Outside;
-use glam::DQuat;
+use glam::{DMat3, DQuat, DVec3};
 use std::ops::RangeInclusive;
 
 /// A turning motion.
@@ -37,6 +38,33 @@ pub(crate) struct TurningSection {
     pub(crate) start: f64,
     pub(crate) end: f64,
     is_known: bool,
+}
+
+/// A rotation at a constant rate in an interval, and how far the cubics that stand in for it are from it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SteadyTurn<'a> {
+    arc: &'a Arc,
+    /// Last instant, s.
+    pub(crate) until: f64,
+    /// Angular speed, rad/s.
+    pub(crate) speed: f64,
+    /// Bound on the distance between a point on any of the cubics, enlarged by the error of its centre, and that point as
+    /// [`matrix`](Self::matrix) turns it; relative to the point's distance from the body's position.
+    pub(crate) error: f64,
+}
+
+impl SteadyTurn<'_> {
+    /// Returns the rotation at an instant (s) of the interval.
+    #[inline]
+    pub(crate) fn matrix(&self, time: f64) -> DMat3 {
+        matrix(self.arc.at(time))
+    }
+
+    /// Returns the angular velocity, rad/s.
+    #[inline]
+    pub(crate) fn velocity(&self) -> DVec3 {
+        self.arc.axis * self.speed
+    }
 }
 
 impl PartialEq for Turning {
@@ -148,6 +176,23 @@ impl Turning {
         let piece = &self.pieces[self.piece_at(time)];
         let rotation = piece.at(time);
         rotation * (1.0 / rotation.length())
+    }
+
+    /// Returns the rotation at a constant rate from an instant (s) on, until another one (s) if it goes on so long. `None` if
+    /// the rate changes, or if nothing may be known of the rotation.
+    #[inline]
+    pub(crate) fn steady_from(&self, from: f64, until: f64) -> Option<SteadyTurn<'_>> {
+        let piece = &self.pieces[self.piece_at(from)];
+        let until = until.min(piece.end);
+        let largest = self.tolerances().map(Self::largest_error);
+        let arc = piece.known_arc((from, until), largest)?;
+        Some(SteadyTurn {
+            arc,
+            until,
+            speed: arc.speed(),
+            // Of the cubic, of the radius, and of the rotation's own rounding, which is part of either.
+            error: 3.0 * largest[0].max(largest[1]),
+        })
     }
 
     fn piece_at(&self, time: f64) -> usize {

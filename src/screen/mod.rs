@@ -244,7 +244,9 @@ impl Scene {
         };
         let slices = TimeSlices::choose(prepared.searched(), &prepared.pace, statistics);
         let sources = |places: &[usize]| prepared.sources(places);
-        let slices = trials.cheapest(slices, (statistics, &filter), &sources);
+        let slices = trials.cheapest(slices, (statistics, &filter), &sources, &|place| {
+            prepared.long_arms(place)
+        });
         Ok(slices.count())
     }
 }
@@ -253,17 +255,19 @@ impl PreparedScene<'_> {
     /// Returns slices of the length of least expected cost. They cover the window, and all instants
     /// that may be reported in it. `sources` returns those of the bodies at some places.
     fn slices<'p>(
-        &self,
+        &'p self,
         filter: &dyn PairFilter,
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, CompactCubic>>,
-    ) -> TimeSlices<'_> {
+    ) -> TimeSlices<'p> {
         let statistics = &self.survey.statistics;
         let slices = TimeSlices::choose(self.searched(), &self.pace, statistics);
         if let Some(count) = self.query.slices {
             return slices.with_count(f64::from(count.get()));
         }
         self.trials()
-            .cheapest(slices, (statistics, filter), sources)
+            .cheapest(slices, (statistics, filter), sources, &|place| {
+                self.long_arms(place)
+            })
     }
 
     fn trials(&self) -> SliceTrials<'_> {

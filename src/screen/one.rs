@@ -33,6 +33,7 @@ impl AskedShape {
         match self {
             Self::BoundingSphere if !view.is_half_space() => BodyView {
                 spheres: from_ref(bounding),
+                hitbox: None,
                 turning: None,
                 model_error: 0.0,
                 ..view

@@ -19,6 +19,7 @@ use crate::scene::{Body, CubicArena, PairAdmission, Scene, SceneEntry};
 use crate::search::{
     Bodies, BoxedBodies, Limits, Pace, SearchScratch, SlicesToForm, SourcesInPlace,
 };
+use crate::shape::BodyShape;
 use crate::simd::prefetch;
 use crate::trajectory::Extension;
 use crate::window::Window;
@@ -177,6 +178,16 @@ impl<'a> PreparedScene<'a> {
         CubicSource::compact(knots, &compact_view, padding, frame)
     }
 
+    /// Returns the shape of the body at a place, if it turns and has long arms.
+    #[inline]
+    pub(super) fn long_arms(&self, place: u32) -> Option<BodyShape<'_>> {
+        let shape = self
+            .survey
+            .have_long_arms
+            .then(|| self.entries[place as usize].body.shape());
+        shape.filter(BodyShape::has_long_arms)
+    }
+
     /// Returns the interval asked about (s), with what is reported in it by rounding.
     pub(super) fn searched(&self) -> (f64, f64) {
         exact_interval(self.window.ends())
@@ -188,6 +199,14 @@ impl<'a> PreparedScene<'a> {
 pub(super) struct BodiesInPlace<'a>(pub(super) &'a PreparedScene<'a>);
 
 impl Bodies for BodiesInPlace<'_> {
+    fn have_long_arms(&self) -> bool {
+        self.0.survey.have_long_arms
+    }
+
+    fn long_arms(&self, body: u32) -> Option<BodyShape<'_>> {
+        self.0.long_arms(body)
+    }
+
     #[inline]
     fn view(&self, body: u32) -> BodyView<'_> {
         let place = body as usize;
@@ -228,6 +247,14 @@ pub(super) struct ListedBodies<'a> {
 }
 
 impl Bodies for ListedBodies<'_> {
+    fn have_long_arms(&self) -> bool {
+        self.prepared.survey.have_long_arms
+    }
+
+    fn long_arms(&self, body: u32) -> Option<BodyShape<'_>> {
+        self.prepared.long_arms(body)
+    }
+
     #[inline]
     fn view(&self, body: u32) -> BodyView<'_> {
         let place = body as usize;

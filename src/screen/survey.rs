@@ -30,6 +30,8 @@ pub(super) struct SceneSurvey {
     pub(super) statistics: SceneStatistics,
     /// Largest relevant distance from a body's position, m.
     pub(super) size: f64,
+    /// True if some bodies turn and have long arms.
+    pub(super) have_long_arms: bool,
     /// Number of cubics, pieces beyond the knots in the window included.
     pub(super) cubics: usize,
     /// Number of bodies that follow a plan, not straight motions.
@@ -54,6 +56,7 @@ impl SceneSurvey {
                 ..SceneStatistics::default()
             },
             size: 0.0,
+            have_long_arms: false,
             cubics: 0,
             not_straight: 0,
         }
@@ -92,6 +95,7 @@ impl SceneSurvey {
         }
         let size = Padding::size(body.shape(), self.margin);
         self.size = self.size.max(size);
+        self.have_long_arms |= body.shape().has_long_arms();
         let pieces = motions.iter().zip(body.trajectory.piece_knots().windows(2));
         for (motion, ends) in pieces {
             self.count_straight(motion, (ends[0], ends[1]));

@@ -4,6 +4,7 @@ use super::form_slices::{SlicesToForm, SourcesInPlace};
 use crate::bounds::HullTest;
 use crate::knots::Knots;
 use crate::narrow_phase::BodyView;
+use crate::shape::BodyShape;
 
 /// Access to bodies by number (dense in a screening; slots in a monitor, some without a body): all that a search knows of
 /// a scene or a monitor.
@@ -19,6 +20,12 @@ pub(crate) trait Bodies: Sync {
     fn hull_test(&self, _: [(u32, u32); 2], _: (f64, f64)) -> HullTest {
         HullTest::Undecided
     }
+
+    /// Returns true if some bodies may [have long arms](BodyShape::has_long_arms), and turn.
+    fn have_long_arms(&self) -> bool;
+
+    /// Returns the shape of a body that turns and has long arms.
+    fn long_arms(&self, body: u32) -> Option<BodyShape<'_>>;
 
     /// Prefetches the record of a body.
     fn fetch(&self, _: u32) {}

@@ -5,10 +5,12 @@ use super::body_walk::{
     slice_intervals_of, walk,
 };
 use crate::bounds::{
-    BoundingCubic, CubicRun, CubicSource, FatLine, MAX_PLACES, MovingFrame, SliceInterval,
+    BoundingCubic, CubicRun, CubicSource, FatLine, Frame, MAX_PLACES, MovingFrame, SliceInterval,
+    tighten,
 };
 use crate::broad_phase::BodyBox;
 use crate::count::{as_f64, short};
+use crate::shape::BodyShape;
 use crate::simd::{InstructionSet, Task};
 use arrayvec::ArrayVec;
 use parry3d::bounding_volume::Aabb;
@@ -120,6 +122,21 @@ impl SliceBounds {
                     self.push(body, part);
                     self.other_places += 1;
                 }
+            }
+        }
+    }
+
+    /// Brings the bounds of bodies that turn and have long arms closer. `long_arms` returns their shapes.
+    pub(super) fn tighten<'s>(
+        &mut self,
+        interval: (f64, f64),
+        frame: &Frame,
+        long_arms: impl Fn(u32) -> Option<BodyShape<'s>>,
+    ) {
+        let bounds = self.fat_lines.iter_mut().zip(&mut self.boxes);
+        for ((line, one), &body) in bounds.zip(&self.bodies) {
+            if let Some(shape) = long_arms(body) {
+                tighten(shape, interval, frame, (line, &mut one.aabb));
             }
         }
     }

@@ -15,6 +15,7 @@ use crate::broad_phase::{CandidateLimit, Method, PairFilter};
 use crate::count::short;
 use crate::narrow_phase::approaching;
 use crate::pool::Pool;
+use crate::shape::BodyShape;
 use crate::simd::InstructionSet;
 use std::ops::Range;
 
@@ -50,6 +51,9 @@ const MAX_QUARTERS: i32 = 8;
 
 /// Change of length, as a factor, below which a trial is good enough.
 const SETTLED: Range<f64> = 0.7..1.5;
+
+/// Returns the shape of a body if it turns and has long arms.
+type LongArms<'f, 'a> = dyn Fn(u32) -> Option<BodyShape<'a>> + 'f;
 
 /// Counts in slices of one length, for all bodies.
 struct Trial {
@@ -187,7 +191,6 @@ fn cheaper_longer<'p>(
 }
 
 /// Bodies, of which a sample is put through slices.
-#[derive(Debug)]
 pub(crate) struct SliceTrials<'a> {
     /// First and last instant of each body, s.
     pub(crate) lifetimes: &'a [(f64, f64)],
@@ -207,6 +210,7 @@ impl SliceTrials<'_> {
         mut slices: TimeSlices<'s>,
         (statistics, filter): (&SceneStatistics, &dyn PairFilter),
         sources: &dyn Fn(&[usize]) -> Vec<CubicSource<'p, C>>,
+        long_arms: &LongArms<'_, 'p>,
     ) -> TimeSlices<'s> {
         /// Fewer bodies are not worth a trial, unless they have more boxes than `FEW_IN_ALL`.
         const FEW: usize = 64;
@@ -233,9 +237,16 @@ impl SliceTrials<'_> {
         let whole = bodies as f64 / sample.len() as f64;
         let places: Vec<u32> = sample.iter().map(|&place| short(place)).collect();
         let filter = &ByPlace::new(&places, filter);
+        let of_sampled = |number: u32| long_arms(places[number as usize]);
         let attempt = |slices: TimeSlices<'s>| {
             let cubics = 1.0 + statistics.cubics_in(slices.length());
-            self.trial(&lifetimes, (&sampled, filter), &slices, whole, cubics)
+            self.trial(
+                &lifetimes,
+                (&sampled, filter, &of_sampled),
+                &slices,
+                whole,
+                cubics,
+            )
         };
         let mut last: Option<(Trial, f64)> = None;
         // The cheapest crowded slices, and those that are far longer than the first ones and cheaper.
@@ -291,10 +302,10 @@ impl SliceTrials<'_> {
     }
 
     /// Returns the counts in a few slices of one length, scaled from the sample to all bodies.
-    fn trial<C: BoundingCubic>(
+    fn trial<'l, C: BoundingCubic>(
         &self,
         lifetimes: &[(f64, f64)],
-        (sources, filter): (&[CubicSource<'_, C>], &ByPlace<'_>),
+        (sources, filter, long_arms): (&[CubicSource<'_, C>], &ByPlace<'_>, &LongArms<'_, 'l>),
         slices: &TimeSlices<'_>,
         whole: f64,
         cubics: f64,
@@ -325,6 +336,7 @@ impl SliceTrials<'_> {
                 present: &*present,
                 ends: &*ends,
             });
+            tried.slices[0].tighten(slices.interval(first), self.frame, long_arms);
             let slice = &tried.slices[0];
             candidates.clear();
             let room = CandidateLimit::new(filter, MAX_CANDIDATES);

@@ -190,13 +190,19 @@ impl<S: BoxedBodies> WindowSearch<'_, S> {
         block: &mut SliceBlock,
     ) {
         self.bodies.form(SlicesToForm {
-            block,
+            block: &mut *block,
             frame,
             present,
             ends,
             instructions: self.instructions,
             threads,
         });
+        if self.bodies.have_long_arms() {
+            for (slice, ends) in block.slices.iter_mut().zip(ends.windows(2)) {
+                let interval = (ends[0], ends[1]);
+                slice.tighten(interval, frame, |body| self.bodies.long_arms(body));
+            }
+        }
     }
 
     /// Adds the spans of a slice's candidates to those found; returns the number examined. If the

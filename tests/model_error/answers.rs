@@ -3,8 +3,8 @@
 use crate::support::{bits, hash, on_threads, rng, screen, sliced, swarm};
 use nearmiss::internals::{Method, QueryInternals};
 use nearmiss::{
-    Accuracy, AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside,
-    Query, Scene, State, Trajectory, Window, pair,
+    Accuracy, AlertLevel, Body, BodyId, BodyPlan, Command, Error, Event, EventKind, Hitbox,
+    Monitor, Outside, Query, Scene, State, Trajectory, Window, pair,
 };
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -306,4 +306,71 @@ fn what_is_no_model_error_is_refused() {
             .to_bits()
             == 0
     );
+}
+
+/// A plan that comes with a model error is asked about, and followed, with that one.
+#[test]
+fn plans_bring_their_own_model_errors() {
+    let mut changed = 0;
+    for seed in 0..20 {
+        let mut rng = rng(700 + seed);
+        let scene = scene(seed, 30);
+        let ids: Vec<BodyId> = scene.bodies().map(|(id, _)| id).collect();
+        let id = ids[rng.random_range(0..ids.len())];
+        let (now, margin) = (5.0, 0.5);
+        let level = AlertLevel::at(margin);
+        let mut monitor = Monitor::new(scene.clone(), now, 6.0, &[level]).unwrap();
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        let (states, _) = &swarm(900 + seed, 1, 30.0)[0];
+        let plan: BodyPlan = Trajectory::from_states(states).unwrap().into();
+        let metres = rng.random_range(0.0..3.0);
+        let with_error = plan.clone().with_model_error(metres).unwrap();
+        let query = Query::new(Window::new(now, now + 6.0).unwrap()).with_margin(margin);
+        let asked = scene.what_if(id, &with_error, &query).unwrap();
+        let mut adopted = scene.clone();
+        adopted
+            .set_trajectory(id, with_error.trajectory.clone())
+            .unwrap();
+        adopted.set_model_error(id, metres).unwrap();
+        let screened = adopted.screen(&query).unwrap();
+        let expected: Vec<_> = screened.conflicts_of(id).copied().collect();
+        assert_eq!(bits(&asked), bits(&expected), "{seed}");
+        changed += usize::from(scene.what_if(id, &plan, &query).unwrap().len() != asked.len());
+        // A monitor: asked, and then told.
+        let asked = monitor.what_if(id, &with_error, 0).unwrap();
+        monitor.replan(id, now, with_error.clone()).unwrap();
+        assert_eq!(monitor.scene().body(id).unwrap().model_error(), metres);
+        monitor.advance(now, &mut Vec::new()).unwrap();
+        let told: Vec<_> = monitor.conflicts_of(id, 0).unwrap().collect();
+        let partners = |one: &nearmiss::Conflict| (one.a, one.b, one.closest.model_error.to_bits());
+        let asked: Vec<_> = asked.iter().map(partners).collect();
+        // Where the body was at this very instant counts for what is told alone.
+        let mut told = told.into_iter().map(|one| partners(&one));
+        assert!(
+            asked.iter().all(|one| told.any(|other| other == *one)),
+            "{seed}"
+        );
+        // Bad ones are refused by name, and leave all as it was.
+        for metres in [-1.0, f64::NAN, f64::INFINITY] {
+            let bad = BodyPlan {
+                model_error: Some(metres),
+                ..with_error.clone()
+            };
+            let refused = [
+                scene.what_if(id, &bad, &query).map(drop),
+                monitor.what_if(id, &bad, 0).map(drop),
+                monitor.replan(id, now, bad.clone()).map(drop),
+                monitor.extend(id, bad),
+            ];
+            for refusal in refused {
+                assert!(
+                    matches!(&refusal, Err(Error::InBody { error, .. })
+                        if matches!(**error, Error::ModelError { .. })),
+                    "{refusal:?}"
+                );
+            }
+        }
+        assert!(plan.clone().with_model_error(-1.0).is_err());
+    }
+    assert!(changed > 5, "{changed}");
 }

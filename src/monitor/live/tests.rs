@@ -299,3 +299,26 @@ fn a_monitor_that_is_stuck_says_so() {
     }
     assert!(!live.shutdown().unwrap().monitor.is_caught_up());
 }
+
+/// A plan with a model error is replaced by one with another.
+#[test]
+fn a_model_error_is_not_lost_with_the_plan_that_carried_it() {
+    let (_, [id, _]) = monitor();
+    let plan = |metres: Option<f64>| BodyPlan {
+        model_error: metres,
+        ..rest(0.0).into()
+    };
+    let replan = |metres| Request::Change(Command::Replan(id, 5.0, plan(metres)));
+    let set = Request::Change(Command::SetTrajectory(id, rest(0.0)));
+    for (earlier, later, superseded) in [
+        (replan(Some(1.0)), replan(None), 0),
+        (replan(Some(1.0)), replan(Some(0.0)), 1),
+        (replan(None), replan(Some(1.0)), 1),
+        (replan(Some(1.0)), set.clone(), 0),
+        (replan(None), set, 1),
+    ] {
+        let mut queue = RequestQueue::at(0.0, 10.0);
+        assert_eq!(queue.push(Ticket(1), earlier), 0);
+        assert_eq!(queue.push(Ticket(2), later), superseded);
+    }
+}
