@@ -5,6 +5,8 @@
 //!   window, about any axis. Each body follows one cubic. The bounding spheres overlap 40 % of the time.
 //! - `scene/swarm_10k_fixed8`, `scene/swarm_10k_turning8`: a screening of the swarm of the other benchmarks, on
 //!   one thread, with 8 spheres within 2 m around each body; each body turns once in 12 s.
+//! - `scene/swarm_10k_fixed_beams`, `scene/swarm_10k_turning_beams`: the same with 8 spheres in a row, from the body's
+//!   position 30 m out.
 //! - `scene/swarm_10k_100balls`, `scene/swarm_10k_100turning`: points, and 100 more bodies: balls of 2 m, or
 //!   turning clusters of that reach.
 //! - `scene/swarm_10k`, `scene/swarm_10k_floor`: points, and a floor below all but a few of them.
@@ -75,6 +77,15 @@ fn cluster(rng: &mut ChaCha8Rng, count: usize, reach: f64) -> Hitbox {
         }
     };
     Hitbox::cluster((0..count).map(sphere).collect()).unwrap()
+}
+
+/// Returns 8 spheres in a row, from the position 30 m out.
+fn beam() -> Hitbox {
+    let spheres = (0..8).map(|number| Sphere {
+        offset: (2.0 + 4.0 * f64::from(number)) * DVec3::X,
+        radius: 1.0,
+    });
+    Hitbox::cluster(spheres.collect()).unwrap()
 }
 
 /// Returns an orientation that turns once in a time (s).
@@ -177,6 +188,8 @@ enum Kind {
     Ball,
     Cluster,
     Turning,
+    Beam,
+    TurningBeam,
     /// A floor at rest, which some of the swarm sink into.
     Floor,
 }
@@ -206,6 +219,10 @@ fn scene_of(all: Kind, more: Option<(usize, Kind)>) -> (Scene, Query) {
             Kind::Point => body,
             Kind::Ball => body.with_hitbox(Hitbox::sphere(REACH).unwrap()),
             Kind::Cluster => body.with_hitbox(cluster(&mut rng, 8, REACH)),
+            Kind::Beam => body.with_hitbox(beam()),
+            Kind::TurningBeam => body
+                .with_hitbox(beam())
+                .with_orientation(turn(&mut rng, REVOLUTION)),
             Kind::Turning => body
                 .with_hitbox(cluster(&mut rng, 8, REACH))
                 .with_orientation(turn(&mut rng, REVOLUTION)),
@@ -286,6 +303,8 @@ fn scenes(c: &mut Criterion) {
         ("swarm_10k_floor", Kind::Point, Some((1, Kind::Floor))),
         ("swarm_10k_fixed8", Kind::Cluster, None),
         ("swarm_10k_turning8", Kind::Turning, None),
+        ("swarm_10k_fixed_beams", Kind::Beam, None),
+        ("swarm_10k_turning_beams", Kind::TurningBeam, None),
         ("swarm_10k_100balls", Kind::Point, Some((100, Kind::Ball))),
         (
             "swarm_10k_100turning",

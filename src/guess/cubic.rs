@@ -138,7 +138,7 @@ pub(crate) fn coordinates([p0, p1, p2, p3]: &ControlPolygon) -> ControlPoints<f6
 }
 
 #[inline]
-pub(crate) fn widened<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
+pub(crate) fn in_f64<R: Real>([p0, p1, p2, p3]: &ControlPoints<R>) -> ControlPoints<f64> {
     let wide = |p: &Vector<R>| [p[0].to_f64(), p[1].to_f64(), p[2].to_f64()];
     [wide(p0), wide(p1), wide(p2), wide(p3)]
 }

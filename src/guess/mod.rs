@@ -8,8 +8,8 @@ mod refine;
 
 pub use cubic::ControlPoints;
 pub(crate) use cubic::{
-    CentredCubic, Vector, coordinates, distance, dot, largest_coordinate, largest_of, local_time,
-    polygon, widened,
+    CentredCubic, Vector, coordinates, distance, dot, in_f64, largest_coordinate, largest_of,
+    local_time, polygon,
 };
 pub(crate) use refine::{QUICK, THOROUGH, least_point, normalised, refined};
 

@@ -7,7 +7,9 @@ use crate::broad_phase::BodyBox;
 use crate::narrow_phase::BodyView;
 use crate::parallel;
 use crate::scene::{Scene, SceneEntry};
-use crate::search::{Bodies, FEW_BOXES, FormInPlace, MAX_SLICES, SourcesInPlace, list_present};
+use crate::search::{
+    Bodies, FEW_BOXES, FormInPlace, SLICES_AT_A_TIME, SourcesInPlace, list_present,
+};
 use crate::shape::BodyShape;
 use crate::simd::InstructionSet;
 use crate::trajectory::Segment;
@@ -236,7 +238,7 @@ fn form_batch(
         by_slice.resize_with(slices, Vec::new);
     }
     by_slice.iter_mut().for_each(Vec::clear);
-    let most = MAX_SLICES;
+    let most = SLICES_AT_A_TIME;
     for first in (0..slices).step_by(most) {
         let ends = &ends[first..=slices.min(first + most)];
         let (slots, by_slice) = (slots.iter().copied(), &mut by_slice[first..]);

@@ -33,10 +33,6 @@ pub struct BodyPlan {
     /// Rotation of the hitbox; `None` keeps the body's.
     pub orientation: Option<Orientation>,
     /// [Model error](Self::with_model_error), m; `None` keeps the body's.
-    #[cfg_attr(
-        feature = "serde",
-        serde(default, skip_serializing_if = "Option::is_none")
-    )]
     pub model_error: Option<f64>,
 }
 

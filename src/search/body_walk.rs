@@ -6,14 +6,14 @@ use crate::knots::Knots;
 use parry3d::bounding_volume::Aabb;
 
 /// Largest number of slices that are walked together: each list may be as long as the longest.
-pub(crate) const MAX_SLICES: usize = 32;
+pub(crate) const SLICES_AT_A_TIME: usize = 32;
 
 /// Returns the intervals of some slices, given their ends (s), in the memory of an array.
 #[inline(always)]
 pub(super) fn slice_intervals_of<'m, const MOVES: bool>(
     ends: &[f64],
     slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
-    memory: &'m mut [SliceInterval<MOVES>; MAX_SLICES],
+    memory: &'m mut [SliceInterval<MOVES>; SLICES_AT_A_TIME],
 ) -> &'m [SliceInterval<MOVES>] {
     for (place, ends) in memory.iter_mut().zip(ends.windows(2)) {
         *place = slice_interval(ends[0], ends[1]);

@@ -1,7 +1,7 @@
 //! Boxes and fat lines of all bodies in a few slices.
 
 use super::body_walk::{
-    MAX_SLICES, PrefetchTarget, cubic_at, cubic_before, ends_of, exists, likely_cubic,
+    PrefetchTarget, SLICES_AT_A_TIME, cubic_at, cubic_before, ends_of, exists, likely_cubic,
     slice_intervals_of, walk,
 };
 use crate::bounds::{
@@ -226,7 +226,7 @@ impl SliceBlock {
     }
 }
 
-/// Forms the boxes and fat lines of some slices (at most [`MAX_SLICES`]).
+/// Forms the boxes and fat lines of some slices (at most [`SLICES_AT_A_TIME`]).
 pub(super) struct FormBounds<'a, C> {
     pub(super) block: &'a mut SliceBlock,
     pub(super) frame: &'a MovingFrame,
@@ -264,7 +264,7 @@ impl<'a, C: BoundingCubic> FormBounds<'a, C> {
         let Self { ends, present, .. } = self;
         let count = ends.len() - 1;
         self.block.clear(count, present.len());
-        let mut memory = [SliceInterval::UNUSED; MAX_SLICES];
+        let mut memory = [SliceInterval::UNUSED; SLICES_AT_A_TIME];
         let slice_intervals = slice_intervals_of(ends, slice_interval, &mut memory);
         let (from, to) = ends_of(slice_intervals);
         if self.block.end.replace(to) != Some(from) {

@@ -1,7 +1,7 @@
 //! Boxes and fat lines of bodies. Their sources are in a list, or made one by one in place: from the bodies' own
 //! memory, just before they are used.
 
-use super::body_walk::{MAX_SLICES, cubic_before, likely_cubic, slice_intervals_of, walk};
+use super::body_walk::{SLICES_AT_A_TIME, cubic_before, likely_cubic, slice_intervals_of, walk};
 use super::form::{FormBounds, SliceBlock, SliceBounds};
 use crate::bounds::{
     BoundingCubic, CubicSource, FatLine, Frame, MovingFrame, SliceInterval, StraightPieces,
@@ -136,7 +136,7 @@ impl SlicesToForm<'_> {
     }
 }
 
-/// Forms the bounds of bodies with sources made in place, in at most [`MAX_SLICES`] slices.
+/// Forms the bounds of bodies with sources made in place, in at most [`SLICES_AT_A_TIME`] slices.
 pub(crate) struct FormInPlace<'a, B, I, P> {
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: &'a MovingFrame,
@@ -181,7 +181,7 @@ where
         mut self,
         slice_interval: impl Fn(f64, f64) -> SliceInterval<MOVES>,
     ) {
-        let mut memory = [SliceInterval::UNUSED; MAX_SLICES];
+        let mut memory = [SliceInterval::UNUSED; SLICES_AT_A_TIME];
         let slice_intervals = slice_intervals_of(self.ends, slice_interval, &mut memory);
         let mut motions = self.present.clone();
         let mut records = self.present.clone();

@@ -28,7 +28,7 @@ mod sort;
 mod window;
 
 pub(crate) use bodies::{Bodies, BoxedBodies};
-pub(crate) use body_walk::MAX_SLICES;
+pub(crate) use body_walk::SLICES_AT_A_TIME;
 pub(crate) use form::SliceBlock;
 #[cfg(test)]
 pub(crate) use form::SliceBounds;

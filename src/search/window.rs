@@ -1,6 +1,6 @@
 //! Search of a whole window: boxes, candidates, and the spans that cheap tests leave.
 
-use super::body_walk::MAX_SLICES;
+use super::body_walk::SLICES_AT_A_TIME;
 use super::by_place::ByPlace;
 use super::form::{SliceBlock, SliceBounds};
 use super::form_slices::SlicesToForm;
@@ -293,7 +293,7 @@ impl SliceBlocks {
     /// costs when it is first touched.
     const BOXES_OF_FEW_BODIES: f64 = 512.0;
     /// Largest number of boxes in a block, which bounds its memory: 64 bytes each.
-    const MAX_BOXES: usize = 1 << 20;
+    const BOXES_OF_A_BLOCK: usize = 1 << 20;
     /// Approximate largest number of boxes of the blocks of a merge.
     const MERGE_BOXES: usize = 1 << 24;
 
@@ -314,8 +314,9 @@ impl SliceBlocks {
         } else {
             (whole(Self::CACHED_BOXES / present) as usize).clamp(least, largest)
         };
-        let fit = (whole(Self::BOXES_OF_FEW_BODIES / present) as usize).clamp(usual, MAX_SLICES);
-        let most = (Self::MAX_BOXES / bodies.max(1)).clamp(1, fit);
+        let fit =
+            (whole(Self::BOXES_OF_FEW_BODIES / present) as usize).clamp(usual, SLICES_AT_A_TIME);
+        let most = (Self::BOXES_OF_A_BLOCK / bodies.max(1)).clamp(1, fit);
         let count = slices.div_ceil(short(most));
         let threads = short(threads);
         // Plans of many cubics lie in no cache. If each thread formed some slices, all would wait for all plans.

@@ -8,8 +8,8 @@ use super::loops::{
 use super::pending::{Places, RetryQueue, is_positive, whole_vectors};
 use crate::enclosure::UncertainCubic;
 use crate::guess::{
-    ControlPoints, QUICK, THOROUGH, distance, largest_coordinate, local_time, normalised, polygon,
-    refined, widened,
+    ControlPoints, QUICK, THOROUGH, distance, in_f64, largest_coordinate, local_time, normalised,
+    polygon, refined,
 };
 use crate::real::Real;
 use crate::simd::InstructionSet;
@@ -22,7 +22,7 @@ pub(super) fn closest_approach_of<R: Real>(points: &ControlPoints<R>) -> (R, R) 
             distance(found.settled.square),
         );
     }
-    let (wide, unit) = normalised(&widened(points));
+    let (wide, unit) = normalised(&in_f64(points));
     let error = allowance::<R>(&wide);
     let mut nearest = refined(&wide, local_time(found.settled.time).to_f64(), QUICK);
     let (halves, tight) = halves_of_pair(&wide, error, nearest.0);
@@ -155,7 +155,7 @@ impl<R: Real> ClosestBatch<'_, R> {
             if is_positive(certificates[i]) {
                 continue;
             }
-            let (wide, unit) = normalised(&widened(&self.lanes.control_points(pair)));
+            let (wide, unit) = normalised(&in_f64(&self.lanes.control_points(pair)));
             let (time, distance) = refined(&wide, self.times[pair].to_f64(), QUICK);
             self.third
                 .push(pair, wide, [time, distance, allowance::<R>(&wide), unit]);

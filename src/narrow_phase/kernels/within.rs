@@ -6,7 +6,7 @@ use super::enclosures::enclose_pair;
 use super::loops::{BLOCK, EnclosureBlock, LaneBlock, enclose_block};
 use super::pending::{Places, RetryQueue};
 use super::screen::{screen_block, screen_block_finely, screen_eighths, screen_halves};
-use crate::guess::{ControlPoints, largest_coordinate, widened};
+use crate::guess::{ControlPoints, in_f64, largest_coordinate};
 use crate::real::Real;
 use crate::simd::InstructionSet;
 
@@ -19,7 +19,7 @@ pub(super) fn within_of<R: Real>(points: &ControlPoints<R>, inner: R, outer: R) 
     if second != Verdict::Undecided {
         return second;
     }
-    let wide = widened(points);
+    let wide = in_f64(points);
     last_verdict(
         &wide,
         conversion_error::<R>(&wide),
@@ -157,7 +157,7 @@ impl<R: Real> WithinBatch<'_, R> {
             let pair = self.second.pair(i);
             self.verdicts[pair] = verdicts[i];
             if verdicts[i] == Verdict::Undecided {
-                let wide = widened(&self.second.control_points(i));
+                let wide = in_f64(&self.second.control_points(i));
                 let [inner, outer] = self.second.extras().map(|extra| extra[i].to_f64());
                 let error = conversion_error::<R>(&wide);
                 self.third.push(pair, wide, [inner, outer, error]);
