@@ -76,7 +76,8 @@ pub(crate) fn tighten(
     let Some(turning) = shape.turning() else {
         return;
     };
-    let (mut begin, end) = (earliest_exact(from), latest_exact(to));
+    // At an instant at which one rotation ends and another one begins both count.
+    let (mut begin, end) = (earliest_exact(from).next_down(), latest_exact(to).next_up());
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for step in 0..MOST_STEPS {
         let Some(turn) = turning.steady_from(begin, end) else {

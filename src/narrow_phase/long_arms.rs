@@ -127,18 +127,21 @@ pub(super) fn are_apart(
         return false;
     }
     let (mut from, mut longest) = (ends.0, f64::INFINITY);
-    // A rotation that ends with another one's beginning counts at that instant as well.
-    let mut begin = earliest_exact(ends.0);
+    // A rotation that ends with another one's beginning counts at that instant as well, and so does the other one.
+    let mut begin = earliest_exact(ends.0).next_down();
+    let end = latest_exact(ends.1).next_up();
     for _ in 0..MOST_STEPS {
         let mut to = ends.1.min(from + longest);
+        let until = if to < ends.1 { latest_exact(to) } else { end };
         let mut turns = [None; 2];
-        let mut fastest: f64 = 0.0;
+        let (mut fastest, mut known_until) = (0.0_f64, end);
         for (turn, view) in turns.iter_mut().zip(views) {
             if let Some(turning) = view.turning {
-                let Some(steady) = turning.steady_from(begin, latest_exact(to)) else {
+                let Some(steady) = turning.steady_from(begin, until) else {
                     return false;
                 };
                 fastest = fastest.max(steady.speed);
+                known_until = known_until.min(steady.until);
                 to = to.min(steady.until.max(from));
                 *turn = Some(steady);
             }
@@ -154,14 +157,14 @@ pub(super) fn are_apart(
         ];
         let points = if (from, to) == ends {
             *points
-        } else if from < to {
+        } else if ends.0 < ends.1 {
             restrict_to(points, ends, (from, to))
         } else {
             [points[0]; 4]
         };
         let times = [from - step.middle, to - step.middle];
         if are_apart_along(&boxes, &points, times, (margin, scale)) {
-            if to >= ends.1 {
+            if to >= ends.1 && known_until >= end {
                 return true;
             }
             begin = to;

@@ -16,6 +16,9 @@ use glam::DQuat;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
+/// Time from the first knot to that at which some bodies jump to another rotation, s.
+const JUMP: f64 = 0.25;
+
 struct Mover {
     plan: Pieces,
     hitbox: Hitbox,
@@ -66,7 +69,7 @@ fn orientation(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Orientation {
         // It jumps.
         2 => {
             let next = spin(rng, first);
-            spin(rng, first).spliced(first + 0.25, &next).unwrap()
+            spin(rng, first).spliced(first + JUMP, &next).unwrap()
         }
         3 => {
             let knots = [0.0, 0.5, 0.9].map(|time| (first + time, any(rng)));
@@ -99,7 +102,8 @@ fn what_the_solver_finds_within_a_margin_is_not_apart() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     let (mut told, mut asked) = (0, 0);
     for round in 0..6_000_usize {
-        let first = [0.0, 0.0, 1e9][round % 3];
+        // Some jump at 0.
+        let first = [0.0, -JUMP, 1e9][round % 3];
         let kind = rng.random_range(0..1_000);
         // Of one size.
         let kinds = [kind, rng.random_range(0..50) * 21 + kind % 21];
@@ -126,6 +130,16 @@ fn what_the_solver_finds_within_a_margin_is_not_apart() {
                 let margin = (separation - a.model_error_with(b)).next_up();
                 let is_near = may_touch(a, b, span, margin, interval);
                 assert!(is_near, "{round} {kinds:?} {interval:?}");
+            }
+            let jump = first + JUMP;
+            if whole.0 <= jump && jump <= whole.1 {
+                for interval in [(whole.0, jump), (jump, jump), (jump, whole.1)] {
+                    let nearest = closest_approach(a, b, [span].into_iter(), interval).unwrap();
+                    let margin = (nearest.separation - a.model_error_with(b)).next_up();
+                    let interval = exact_interval(interval);
+                    let is_near = may_touch(a, b, span, margin, interval);
+                    assert!(is_near, "{round} {kinds:?} {interval:?}");
+                }
             }
             let margin = 0.5 * separation;
             let ball = [a, b].map(|view| BodyView {
