@@ -124,7 +124,7 @@ use told_motions::ToldMotions;
 /// edge of the lookahead, or the clock, cuts off. An encounter under way costs about a microsecond a tick,
 /// and a tenth of one at each level for each of its spans in the lookahead. (A span is a cubic of one body with a
 /// cubic of the other. Two clusters have one for each pair of spheres that is solved.) Of bodies that rest without turning, it
-/// costs a twentieth of that. If one of its bodies changes, it is solved again: some four microseconds in a tick for two
+/// costs a twentieth of that. If one of its bodies changes, it is solved again: two or three microseconds in a tick for two
 /// balls, and as much as a screening of the pair for two clusters. The tick in which the clock, or the end of the
 /// lookahead, first cuts the contact of two clusters takes two to eight times a screening of the pair. Where most
 /// bodies are within the margin of many others all the time, screening anew may be cheaper.

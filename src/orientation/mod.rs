@@ -68,7 +68,7 @@ use turning::OrientationPart;
 /// Until two bodies are near, one that turns is bounded by the ball around its position that its spheres never leave. If they
 /// lie aside of the position, along a rod or in a plate, it is bounded closer where it turns about one axis at a constant rate.
 /// Between the knots of a `normalized_cubic` only the ball counts. Put the position amid the spheres: a tick in which 500 clusters
-/// are told takes about twice as long if their positions are three of their radii off, and three times if they are five.
+/// are told takes up to 2.6 times as long if their positions are three of their radii off, and 3 times if they are five.
 ///
 /// ```
 /// use nearmiss::glam::{DQuat, DVec3};
