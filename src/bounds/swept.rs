@@ -8,7 +8,7 @@ use super::fat_line::FatLine;
 use super::frame::Frame;
 use super::{ROUNDING, nearest};
 use crate::orientation::SteadyTurn;
-use crate::rounding::{earliest_exact, latest_exact};
+use crate::rounding::{earliest_exact, latest_exact, norm};
 use crate::shape::BodyShape;
 use glam::DVec3;
 use parry3d::bounding_volume::Aabb;
@@ -43,7 +43,11 @@ impl SweptSpheres {
         let smallest = hitbox.smallest_radius();
         let half = (high - low) * 0.5 - smallest;
         let angle = turn.speed * after;
-        let more = hitbox.arm() * (0.5 * angle * angle + turn.error) + shape.model_error();
+        let bend = 0.5 * angle * angle;
+        let error = hitbox.arm() * turn.error + shape.model_error();
+        let more = hitbox.arm() * bend + error;
+        // The centre bends, and may be farther from the position than that of any sphere.
+        let centre_bend = norm(bounding.offset) * bend;
         let axes = [
             rotation.x_axis * half.x,
             rotation.y_axis * half.y,
@@ -60,7 +64,7 @@ impl SweptSpheres {
             high: centre + reach,
             centre,
             rate,
-            radius: bounding.radius + more + 1e-9 * shape.reach(),
+            radius: bounding.radius + centre_bend + error + 1e-9 * shape.reach(),
             middle,
         }
     }
@@ -76,6 +80,10 @@ pub(crate) fn tighten(
     let Some(turning) = shape.turning() else {
         return;
     };
+    if line.radius.is_infinite() {
+        // The frame does not serve the body: its box has no bounds.
+        return;
+    }
     // At an instant at which one rotation ends and another one begins both count.
     let (mut begin, end) = (earliest_exact(from).next_down(), latest_exact(to).next_up());
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -85,6 +93,9 @@ pub(crate) fn tighten(
         };
         let until = turn.until.min(begin + 2.0 * WIDE / turn.speed).min(end);
         let swept = SweptSpheres::of(shape, &turn, (begin, until));
+        if !(swept.low.is_finite() && swept.high.is_finite()) {
+            return;
+        }
         (low, high) = (low.min(swept.low), high.max(swept.high));
         if until >= end {
             bring_closer(shape, (low, high), frame.power, aabb);
@@ -104,15 +115,12 @@ fn bring_closer(shape: BodyShape<'_>, (low, high): (DVec3, DVec3), power: f64, a
         let lower = nearest((low[axis] - ball_low[axis]) * power);
         if lower > 0.0 {
             let raised = aabb.mins[axis] + lower;
-            let raised = raised - (raised.abs() + lower) * (4.0 * ROUNDING);
-            // Where the frame does not serve the body, its sides are as far as numbers go.
-            aabb.mins[axis] = raised.max(f32::MIN);
+            aabb.mins[axis] = raised - (raised.abs() + lower) * (4.0 * ROUNDING);
         }
         let upper = nearest((ball_high[axis] - high[axis]) * power);
         if upper > 0.0 {
             let lowered = aabb.maxs[axis] - upper;
-            let lowered = lowered + (lowered.abs() + upper) * (4.0 * ROUNDING);
-            aabb.maxs[axis] = lowered.min(f32::MAX);
+            aabb.maxs[axis] = lowered + (lowered.abs() + upper) * (4.0 * ROUNDING);
         }
     }
 }
@@ -160,6 +168,18 @@ mod tests {
     fn hitbox(rng: &mut ChaCha8Rng, round: usize) -> Hitbox {
         let aside = [0.0, 1.0, 4.0][round % 3] * vector(rng, 1.0);
         let extents = [DVec3::X, DVec3::new(0.5, 1.0, 0.02)][round / 3 % 2];
+        if round.is_multiple_of(11) {
+            // The centre of the box around them is farther from the position than all of them.
+            let (long, short) = ((2.0_f64 / 3.0).sqrt(), (1.0_f64 / 6.0).sqrt());
+            let offsets = [
+                [long, short, short],
+                [short, long, short],
+                [short, short, long],
+                [short; 3],
+            ];
+            return Hitbox::cluster(offsets.map(|offset| Sphere::new(offset, 0.05)).to_vec())
+                .unwrap();
+        }
         let count = if round.is_multiple_of(7) { 1 } else { 9 };
         let spheres = (0..count).map(|number: usize| Sphere {
             offset: aside + vector(rng, 1.0) * extents,
@@ -171,7 +191,14 @@ mod tests {
     fn orientation(rng: &mut ChaCha8Rng, round: usize) -> Orientation {
         let mut spin = |speed: f64| {
             let rotation = DQuat::from_scaled_axis(vector(rng, 2.0));
-            Orientation::spin(0.3, rotation, vector(rng, speed)).unwrap()
+            let velocity = vector(rng, speed);
+            let across = DVec3::new(speed, -speed, 0.0) * 0.5;
+            let velocity = if round.is_multiple_of(11) {
+                across
+            } else {
+                velocity
+            };
+            Orientation::spin(0.3, rotation, velocity).unwrap()
         };
         let speed = [0.05, 0.5, 2.0][round / 2 % 3];
         let turn = if round.is_multiple_of(4) {

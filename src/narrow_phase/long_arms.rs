@@ -167,7 +167,8 @@ pub(super) fn are_apart(
             if to >= ends.1 && known_until >= end {
                 return true;
             }
-            begin = to;
+            // A rotation may end in what rounds to the end.
+            begin = if to < ends.1 { to } else { known_until };
             from = to;
         } else if fastest * step.after > NARROW {
             longest = 0.5 * (to - from);
@@ -191,7 +192,7 @@ fn are_apart_along(
     let length = norm(apart);
     let radius = (a.radius + b.radius) + margin;
     let threshold = rejection_threshold(radius, scale + radius.abs());
-    if length <= threshold {
+    if length <= threshold.max(f64::MIN_POSITIVE) {
         return false;
     }
     let direction = apart / length;

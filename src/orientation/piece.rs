@@ -5,6 +5,7 @@ use super::baked::BakedRotation;
 use super::quaternion_cubic::{QuaternionCubic, equal_cut};
 use crate::accuracy::Accuracy;
 use crate::count::whole;
+use crate::rounding::{earliest_exact, latest_exact};
 use glam::DQuat;
 use std::f64::consts::TAU;
 
@@ -102,24 +103,31 @@ impl RotationPiece {
         let RotationCurve::Arc(arc) = &self.motion else {
             return None;
         };
-        let durations = match self.cuts {
+        let farthest = |times: [f64; 4]| {
+            times
+                .into_iter()
+                .fold(0.0, |far: f64, time| far.max(time.abs()))
+        };
+        let (durations, far) = match self.cuts {
             Cuts::None => return Some(arc),
             Cuts::Equal((start, end), counts) => {
-                counts.map(|count| (end - start) / f64::from(count))
+                let durations = counts.map(|count| (end - start) / f64::from(count));
+                (durations, farthest([ends.0, ends.1, start, end]))
             }
             Cuts::Steps(origin, steps) => {
-                let far = [ends.0, ends.1, ends.0 - origin, ends.1 - origin]
-                    .into_iter()
-                    .fold(0.0, |far: f64, time| far.max(time.abs()));
+                let far = farthest([ends.0, ends.1, ends.0 - origin, ends.1 - origin]);
                 // Nothing is known beyond twice that.
                 if steps.iter().any(|step| far >= 0.5 * FAR * step) {
                     return None;
                 }
-                steps
+                (steps, far.max(origin.abs()))
             }
         };
+        // Cuts are rounded: a part may be longer by a few roundings of the time.
+        let longer = latest_exact(far) - earliest_exact(far);
         let mut known = durations.into_iter().zip(largest);
-        let is_known = known.all(|(duration, largest)| arc.is_known(ends, duration, largest));
+        let is_known =
+            known.all(|(duration, largest)| arc.is_known(ends, duration + longer, largest));
         is_known.then_some(arc)
     }
 

@@ -375,3 +375,57 @@ fn rotations_at_nan_are_rotations() {
         assert!((rotation.length() - 1.0).abs() < 1e-15, "{rotation}");
     }
 }
+
+/// Where bounds follow a rotation at a constant rate, all cubics that stand in for it are known. Far from time 0, cuts are
+/// rounded, and some of these cubics last longer than others.
+#[test]
+fn where_a_turn_is_steady_all_its_cubics_are_known() {
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let (mut steady_turns, mut others) = (0, 0);
+    for round in 0..20_000 {
+        let far = 10_f64.powf(rng.random_range(2.0..11.0));
+        let turn = if round % 2 == 0 {
+            let speed = 10_f64.powf(rng.random_range(2.0..5.0));
+            let velocity = vector(&mut rng, speed);
+            let start = [0.0, far, 1.7e9][round / 2 % 3];
+            Orientation::spin(start, rotation(&mut rng), velocity).unwrap()
+        } else {
+            let ulp = far.next_up() - far;
+            let lasts = ulp * 10_f64.powf(rng.random_range(0.6..4.0)).round();
+            let knots = [0.0, 1.0, 2.0].map(|step| (far + step * lasts, rotation(&mut rng)));
+            Orientation::slerp(&knots).unwrap()
+        };
+        let tolerance = [None, Some(10_f64.powf(rng.random_range(-9.0..-1.0)))][round / 4 % 2];
+        let Ok(turn) = turn.with_tolerance(tolerance.unwrap_or(1e-3)) else {
+            continue;
+        };
+        let Some(turning) = turn.turning() else {
+            continue;
+        };
+        let until = far + 1e-4 * far.min(1.0);
+        let Some(steady) = turning.steady_from(far, until) else {
+            others += 1;
+            continue;
+        };
+        steady_turns += 1;
+        for accuracy in [Accuracy::Exact, Accuracy::Certified] {
+            let mut time = far;
+            for _ in 0..200 {
+                let section = turning.section_at(time, accuracy);
+                let error = turning.bake(&section, accuracy).error();
+                assert!(
+                    3.0 * error <= steady.error * (1.0 + 1e-12),
+                    "{round} {time} {error}"
+                );
+                time = section.end;
+                if time > steady.until {
+                    break;
+                }
+            }
+        }
+    }
+    assert!(
+        steady_turns > 4_000 && others > 100,
+        "{steady_turns} {others}"
+    );
+}
