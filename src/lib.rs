@@ -159,6 +159,7 @@ mod simd;
 mod spans;
 mod stats;
 mod trajectory;
+mod turning_box;
 mod wall_clock;
 mod window;
 

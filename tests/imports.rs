@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 const ROOMS: &str = "
     simd parallel pool wall_clock readable json_number saved_limit real rounding blossom count
     id error accuracy conflict conflict_index layers stats window hitbox cover
-    trajectory orientation shape knots spans
+    trajectory orientation shape turning_box knots spans
     polynomial guess enclosure bounds narrow_phase
     broad_phase query search scene screen monitor
     lib internals guide";

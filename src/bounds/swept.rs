@@ -1,8 +1,7 @@
 //! Closer bounds of bodies that turn and have long arms.
 //!
 //! The bounds of a body that turns hold for the ball around its position that its spheres never leave. Here they are brought
-//! closer to where the spheres are in a slice. A step of the slice is so short that points move along straight lines, but
-//! for a bound of second order: half the square of the angle, times the distance from the body's position.
+//! closer to where the spheres are in a slice, by [turning boxes](TurningBox) in short steps of it.
 
 use super::fat_line::FatLine;
 use super::frame::Frame;
@@ -10,11 +9,10 @@ use super::{ROUNDING, nearest};
 use crate::orientation::SteadyTurn;
 use crate::rounding::{earliest_exact, latest_exact, norm};
 use crate::shape::BodyShape;
+use crate::turning_box::TurningBox;
 use glam::DVec3;
 use parry3d::bounding_volume::Aabb;
 
-/// Largest angle of a step from its middle on, rad.
-const WIDE: f64 = 0.6;
 /// Largest number of steps in a slice.
 const MOST_STEPS: usize = 4;
 
@@ -35,36 +33,27 @@ impl SweptSpheres {
         let hitbox = shape.hitbox();
         let middle = from + 0.5 * (to - from);
         let after = (middle - from).max(to - middle) * (1.0 + 1e-12);
-        let (rotation, angular_velocity) = (turn.matrix(middle), turn.velocity());
-        let bounding = hitbox.bounding();
-        let centre = rotation * bounding.offset;
-        let rate = angular_velocity.cross(centre);
-        let (low, high) = hitbox.corners();
-        let smallest = hitbox.smallest_radius();
-        let half = (high - low) * 0.5 - smallest;
-        let angle = turn.speed * after;
-        let bend = 0.5 * angle * angle;
-        let error = hitbox.arm() * turn.error + shape.model_error();
-        let more = hitbox.arm() * bend + error;
-        // The centre bends, and may be farther from the position than that of any sphere.
-        let centre_bend = norm(bounding.offset) * bend;
-        let axes = [
-            rotation.x_axis * half.x,
-            rotation.y_axis * half.y,
-            rotation.z_axis * half.z,
-        ];
-        let reach = axes
-            .into_iter()
+        let (error, bounding) = (shape.model_error(), hitbox.bounding());
+        let TurningBox {
+            centre,
+            rate,
+            axes,
+            angular_velocity,
+            radius,
+        } = TurningBox::of(hitbox, error, Some(turn), (middle, after));
+        let reach = [axes.x_axis, axes.y_axis, axes.z_axis]
             .map(|axis| axis.abs() + angular_velocity.cross(axis).abs() * after);
-        let reach = reach.sum::<DVec3>() + rate.abs() * after + (smallest + more);
         // Far more than all rounding.
-        let reach = reach + 1e-9 * shape.reach();
+        let rounding = 1e-9 * shape.reach();
+        let reach = reach.into_iter().sum::<DVec3>() + rate.abs() * after + (radius + rounding);
+        // The centre bends, and may be farther from the position than that of any sphere.
+        let bend = norm(bounding.offset) * turn.bend(after);
         Self {
             low: centre - reach,
             high: centre + reach,
             centre,
             rate,
-            radius: bounding.radius + centre_bend + error + 1e-9 * shape.reach(),
+            radius: bounding.radius + bend + hitbox.arm() * turn.error + error + rounding,
             middle,
         }
     }
@@ -91,7 +80,10 @@ pub(crate) fn tighten(
         let Some(turn) = turning.steady_from(begin, end) else {
             return;
         };
-        let until = turn.until.min(begin + 2.0 * WIDE / turn.speed).min(end);
+        let until = turn
+            .until
+            .min(begin + 2.0 * TurningBox::WIDE / turn.speed)
+            .min(end);
         let swept = SweptSpheres::of(shape, &turn, (begin, until));
         if !(swept.low.is_finite() && swept.high.is_finite()) {
             return;

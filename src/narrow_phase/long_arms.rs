@@ -1,36 +1,22 @@
 //! A test of bodies that turn and are thin or lie aside of their position: the ball that bounds such a body is mostly empty.
 //!
-//! A box with rounded edges contains the spheres of a body, and turns with it. In a short step of time its centre and its
-//! axes change along straight lines, but for a bound of second order. Two bodies are apart in the step if these boxes are
-//! so along one direction: that between the nearest points of the boxes' longest axes, in the middle of the step.
+//! Two bodies are apart in a short step of time if their [turning boxes](TurningBox) are so along one direction: that between
+//! the nearest points of the boxes' longest axes, in the middle of the step.
 
 use super::BodyView;
 use super::relative::rejection_threshold;
 use crate::blossom::restrict_to;
 use crate::orientation::SteadyTurn;
 use crate::rounding::{earliest_exact, latest_exact, norm};
+use crate::turning_box::TurningBox;
 use glam::{DMat3, DVec3};
 
 /// Largest number of steps that are examined.
 const MOST_STEPS: u32 = 12;
 /// Largest angle in an interval, rad.
 const MOST_ANGLE: f64 = 6.0;
-/// Largest angle of a step from its middle on, and an angle of which halves tell little more, rad.
-const WIDE: f64 = 0.6;
+/// Angle of a step from its middle on, of which halves tell little more, rad.
 const NARROW: f64 = 0.12;
-
-/// A box with rounded edges that turns, in a step.
-struct TurningBox {
-    /// Its centre, relative to the body's position, in the middle of the step, and the velocity of that.
-    centre: DVec3,
-    rate: DVec3,
-    /// Half of its inner edges, m, as vectors.
-    axes: DMat3,
-    /// rad/s.
-    angular_velocity: DVec3,
-    /// Radius of the edges, and what is of second order; errors included, m.
-    radius: f64,
-}
 
 /// A step of time, s.
 #[derive(Clone, Copy)]
@@ -51,46 +37,16 @@ impl Step {
     }
 }
 
+/// Returns the box of a body; around the sphere that stands in for its hitbox, if there is one.
+#[inline(always)]
+fn box_of(view: &BodyView<'_>, turn: Option<&SteadyTurn<'_>>, step: Step) -> TurningBox {
+    let Some(hitbox) = view.hitbox else {
+        return TurningBox::resting((view.bounding.offset, DVec3::ZERO), view.bounding.radius);
+    };
+    TurningBox::of(hitbox, view.model_error, turn, (step.middle, step.after))
+}
+
 impl TurningBox {
-    #[inline(always)]
-    fn of(view: &BodyView<'_>, turn: Option<&SteadyTurn<'_>>, step: Step) -> Self {
-        let Some(hitbox) = view.hitbox else {
-            return Self::resting((view.bounding.offset, DVec3::ZERO), view.bounding.radius);
-        };
-        let ((low, high), smallest) = (hitbox.corners(), hitbox.smallest_radius());
-        let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5 - smallest);
-        let radius = smallest + view.model_error;
-        let Some(turn) = turn else {
-            return Self::resting((centre, half), radius);
-        };
-        let rotation = turn.matrix(step.middle);
-        let angular_velocity = turn.velocity();
-        let centre = rotation * centre;
-        let angle = turn.speed * step.after;
-        Self {
-            centre,
-            rate: angular_velocity.cross(centre),
-            axes: DMat3::from_cols(
-                rotation.x_axis * half.x,
-                rotation.y_axis * half.y,
-                rotation.z_axis * half.z,
-            ),
-            angular_velocity,
-            // A sphere's centre is so far from where the linear motion takes it.
-            radius: radius + hitbox.arm() * (0.5 * angle * angle + turn.error),
-        }
-    }
-
-    fn resting((centre, half): (DVec3, DVec3), radius: f64) -> Self {
-        Self {
-            centre,
-            rate: DVec3::ZERO,
-            axes: DMat3::from_diagonal(half),
-            angular_velocity: DVec3::ZERO,
-            radius,
-        }
-    }
-
     /// Returns the ends of the longest axis from the centre on.
     fn longest(&self) -> DVec3 {
         let DMat3 {
@@ -149,11 +105,11 @@ pub(super) fn are_apart(
         if fastest * (to - from) > MOST_ANGLE {
             return false;
         }
-        to = to.min(from + 2.0 * WIDE / fastest);
+        to = to.min(from + 2.0 * TurningBox::WIDE / fastest);
         let step = Step::between(from, to);
         let boxes = [
-            TurningBox::of(views[0], turns[0].as_ref(), step),
-            TurningBox::of(views[1], turns[1].as_ref(), step),
+            box_of(views[0], turns[0].as_ref(), step),
+            box_of(views[1], turns[1].as_ref(), step),
         ];
         let points = if (from, to) == ends {
             *points

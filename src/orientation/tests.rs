@@ -376,8 +376,8 @@ fn rotations_at_nan_are_rotations() {
     }
 }
 
-/// Where bounds follow a rotation at a constant rate, all cubics that stand in for it are known. Far from time 0, cuts are
-/// rounded, and some of these cubics last longer than others.
+/// All cubics that stand in for a rotation are known where bounds follow it. Far from time 0, cuts are rounded, and some of these
+/// cubics last longer than others.
 #[test]
 fn where_a_turn_is_steady_all_its_cubics_are_known() {
     let mut rng = ChaCha8Rng::seed_from_u64(77);

@@ -60,6 +60,14 @@ impl SteadyTurn<'_> {
         matrix(self.arc.at(time))
     }
 
+    /// Returns how far a point may be from its linear motion in so long a time (s), relative to its distance from the body's
+    /// position.
+    #[inline]
+    pub(crate) fn bend(&self, time: f64) -> f64 {
+        let angle = self.speed * time;
+        0.5 * angle * angle
+    }
+
     /// Returns the angular velocity, rad/s.
     #[inline]
     pub(crate) fn velocity(&self) -> DVec3 {

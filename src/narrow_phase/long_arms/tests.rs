@@ -19,14 +19,14 @@ use rand::{RngExt, SeedableRng};
 /// Time from the first knot to that at which some bodies jump to another rotation, s.
 const JUMP: f64 = 0.25;
 
-struct Mover {
+struct TestBody {
     plan: Pieces,
     hitbox: Hitbox,
     orientation: Orientation,
     model_error: f64,
 }
 
-impl Mover {
+impl TestBody {
     fn view(&self) -> BodyView<'_> {
         let Pieces { knots, segments } = &self.plan;
         let shape = BodyShape::new(&self.hitbox, self.orientation.turning(), self.model_error);
@@ -83,11 +83,11 @@ fn orientation(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Orientation {
     }
 }
 
-fn mover(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> Mover {
+fn mover(rng: &mut ChaCha8Rng, kind: usize, first: f64) -> TestBody {
     let size = [1.0, 1e-6, 1e6][kind / 7 % 3];
     let states = [0.0, 0.4, 1.0]
         .map(|time| State::new(first + time, vector(rng, 2.0 * size), vector(rng, size)));
-    Mover {
+    TestBody {
         plan: Pieces::own(&Trajectory::from_states(&states).unwrap()),
         hitbox: hitbox(rng, kind, size),
         orientation: orientation(rng, kind / 2, first),
@@ -108,7 +108,7 @@ fn what_the_solver_finds_within_a_margin_is_not_apart() {
         // Of one size.
         let kinds = [kind, rng.random_range(0..50) * 21 + kind % 21];
         let bodies = kinds.map(|kind| mover(&mut rng, kind, first));
-        let [a, b] = &bodies.each_ref().map(Mover::view);
+        let [a, b] = &bodies.each_ref().map(TestBody::view);
         if !a.has_long_arms() && !b.has_long_arms() {
             continue;
         }
