@@ -1,21 +1,15 @@
 //! The error of all invalid inputs.
 
 mod change_time;
+mod context;
 mod crowd;
-mod in_body;
 mod quantity;
 
 use crate::id::{BodyId, NamedBody};
-use std::fmt;
 
 pub(crate) use change_time::check_change_time;
 pub use crowd::Crowd;
-pub use quantity::Quantity;
-
-/// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
-///
-/// Up to it no linear stage of the pipeline can overflow; squares are formed of scaled numbers.
-pub const MAX_MAGNITUDE: f64 = 1e300;
+pub use quantity::{MAX_MAGNITUDE, Quantity};
 
 /// The reason for which an input was refused. The call that returned it changed nothing, except
 /// that after [`TooCrowded`](Self::TooCrowded) a monitor rebuilds its search state.
@@ -270,6 +264,15 @@ pub enum Error {
         #[source]
         error: Box<Error>,
     },
+    /// An error of one command of a batch: see [`Monitor::apply`](crate::Monitor::apply).
+    #[error("command {command}: {error}")]
+    InCommand {
+        /// The command, counted from 0.
+        command: usize,
+        /// The error of this command.
+        #[source]
+        error: Box<Error>,
+    },
     /// A radius is negative, NaN, infinite or too large.
     #[error("sphere {sphere}: radius {radius:?} m is not a number from 0 to 1e300")]
     Radius {
@@ -490,11 +493,4 @@ pub enum Error {
     /// The scene holds as many bodies as ids can distinguish (2^32 - 1).
     #[error("the scene is full")]
     SceneFull,
-}
-
-/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
-impl fmt::Debug for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
 }

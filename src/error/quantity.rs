@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+/// Magnitude beyond which an input, or a quantity that follows from it, is refused (SI units).
+///
+/// Up to it no linear stage of the pipeline can overflow; squares are formed of scaled numbers.
+pub const MAX_MAGNITUDE: f64 = 1e300;
+
 /// The number of an input to which an error refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

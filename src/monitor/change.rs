@@ -4,7 +4,7 @@ use super::Monitor;
 use super::command::{Command, CommandBatch, NewBody, PairRule};
 use super::event::EndReason;
 use super::monitored_bodies::MonitoredBody;
-use super::pending_change::ChangeContext;
+use super::pending_change::{ChangeContext, Refusal};
 #[cfg(feature = "recording")]
 use super::recording::Record;
 use crate::error::Error;
@@ -26,7 +26,7 @@ impl Monitor {
     /// [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if its plan cannot be followed
     /// through the lookahead, or with [`Error::TurningHalfSpace`]; [`Error::SceneFull`].
     pub fn insert(&mut self, body: Body) -> Result<BodyId, Error> {
-        let ids = self.apply([Command::Insert(body)])?;
+        let ids = self.apply_one(Command::Insert(body))?;
         ids.first().copied().ok_or(Error::SceneFull)
     }
 
@@ -87,7 +87,7 @@ impl Monitor {
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::OutOfRange`] or [`Error::TooFar`] if the trajectory cannot
     /// be followed through the lookahead.
     pub fn set_trajectory(&mut self, id: BodyId, trajectory: Trajectory) -> Result<(), Error> {
-        self.apply([Command::SetTrajectory(id, trajectory)])
+        self.apply_one(Command::SetTrajectory(id, trajectory))
             .map(drop)
     }
 
@@ -97,7 +97,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_hitbox(&mut self, id: BodyId, hitbox: Hitbox) -> Result<(), Error> {
-        self.apply([Command::SetHitbox(id, hitbox)]).map(drop)
+        self.apply_one(Command::SetHitbox(id, hitbox)).map(drop)
     }
 
     /// Replaces a body's whole orientation, including the past. Events already reported stand: the new one counts from
@@ -107,7 +107,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::TurningHalfSpace`].
     pub fn set_orientation(&mut self, id: BodyId, orientation: Orientation) -> Result<(), Error> {
-        self.apply([Command::SetOrientation(id, orientation)])
+        self.apply_one(Command::SetOrientation(id, orientation))
             .map(drop)
     }
 
@@ -122,7 +122,7 @@ impl Monitor {
     /// [`Error::RotationVanishes`] if the tolerance of one orientation is too small for the other, or with
     /// [`Error::TurningHalfSpace`].
     pub fn orient(&mut self, id: BodyId, from: f64, orientation: Orientation) -> Result<(), Error> {
-        self.apply([Command::Orient(id, from, orientation)])
+        self.apply_one(Command::Orient(id, from, orientation))
             .map(drop)
     }
 
@@ -132,7 +132,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`].
     pub fn set_layers(&mut self, id: BodyId, layers: Layers) -> Result<(), Error> {
-        self.apply([Command::SetLayers(id, layers)]).map(drop)
+        self.apply_one(Command::SetLayers(id, layers)).map(drop)
     }
 
     /// Replaces a body's [model error](Body::with_model_error) (m), from the clock of the last tick on.
@@ -141,7 +141,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`]; [`Error::InBody`] with [`Error::ModelError`].
     pub fn set_model_error(&mut self, id: BodyId, metres: f64) -> Result<(), Error> {
-        self.apply([Command::SetModelError(id, metres)]).map(drop)
+        self.apply_one(Command::SetModelError(id, metres)).map(drop)
     }
 
     /// Lets the body follow `plan` from `from` (s) on; until then it keeps its old plan. See
@@ -208,7 +208,7 @@ impl Monitor {
         from: f64,
         plan: impl Into<BodyPlan>,
     ) -> Result<f64, Error> {
-        self.apply([Command::Replan(id, from, plan.into())])?;
+        self.apply_one(Command::Replan(id, from, plan.into()))?;
         Ok(self.batch.late().next().map_or(from, |(_, late)| late))
     }
 
@@ -226,7 +226,7 @@ impl Monitor {
     ///
     /// The errors of [`replan`](Self::replan).
     pub fn extend(&mut self, id: BodyId, plan: impl Into<BodyPlan>) -> Result<(), Error> {
-        self.apply([Command::Extend(id, plan.into())]).map(drop)
+        self.apply_one(Command::Extend(id, plan.into())).map(drop)
     }
 
     /// Applies several changes together, or none if one is refused. Returns the ids of the inserted
@@ -249,11 +249,27 @@ impl Monitor {
     ///
     /// # Errors
     ///
-    /// The error of the first refused command; nothing was changed then.
+    /// [`Error::InCommand`] with the number and the error of the first refused command; nothing was changed then.
     pub fn apply(
         &mut self,
         commands: impl IntoIterator<Item = Command>,
     ) -> Result<Vec<BodyId>, Error> {
+        self.apply_all(commands)
+            .map_err(|(command, error)| Error::InCommand {
+                command,
+                error: Box::new(error),
+            })
+    }
+
+    /// Applies one change. Returns the id of the body if one is inserted.
+    pub(super) fn apply_one(&mut self, command: Command) -> Result<Vec<BodyId>, Error> {
+        self.apply_all([command]).map_err(|(_, error)| error)
+    }
+
+    fn apply_all(
+        &mut self,
+        commands: impl IntoIterator<Item = Command>,
+    ) -> Result<Vec<BodyId>, Refusal> {
         #[cfg(feature = "recording")]
         if self.recorder.is_some() {
             let commands: Vec<Command> = commands.into_iter().collect();
@@ -268,12 +284,14 @@ impl Monitor {
     fn carry_out(
         &mut self,
         commands: impl IntoIterator<Item = Command>,
-    ) -> Result<Vec<BodyId>, Error> {
+    ) -> Result<Vec<BodyId>, Refusal> {
         let mut batch = std::mem::take(&mut self.batch);
-        let context = self.change_context()?;
+        // Of no command in particular.
+        let of_all = |error| (0, error);
+        let context = self.change_context().map_err(of_all)?;
         let ids = match batch.work_out(&self.scene, commands, &context) {
-            Ok(()) => self.take_over(&mut batch),
-            Err(error) => Err(error),
+            Ok(()) => self.take_over(&mut batch).map_err(of_all),
+            Err(refusal) => Err(refusal),
         };
         // The next tick drops what was replaced, while another thread searches.
         self.batch = batch;
@@ -334,7 +352,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.apply([Command::IgnorePair(a, b)]).map(drop)
+        self.apply_one(Command::IgnorePair(a, b)).map(drop)
     }
 
     fn ignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
@@ -350,7 +368,7 @@ impl Monitor {
     ///
     /// [`Error::UnknownBody`], [`Error::SameBody`].
     pub fn unignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
-        self.apply([Command::UnignorePair(a, b)]).map(drop)
+        self.apply_one(Command::UnignorePair(a, b)).map(drop)
     }
 
     fn unignore(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {

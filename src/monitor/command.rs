@@ -86,7 +86,7 @@ impl CommandBatch {
         scene: &Scene,
         commands: impl IntoIterator<Item = Command>,
         context: &ChangeContext<'_>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), Refusal> {
         self.clear();
         let mut refused = None;
         for (number, command) in commands.into_iter().enumerate() {
@@ -115,7 +115,7 @@ impl CommandBatch {
         let first = refusals.chain(refused).min_by_key(|refusal| refusal.0);
         // A game may write all that it knows of a body in each frame.
         self.changed.retain(|change| !change.is_in_vain);
-        first.map_or(Ok(()), |(_, error)| Err(error))
+        first.map_or(Ok(()), Err)
     }
 
     /// Returns the bodies whose last plan was late, and from when on they follow it (s).

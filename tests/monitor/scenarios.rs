@@ -1,10 +1,10 @@
 //! What a monitor of two bodies tells, event by event: one scenario a test.
 
 use super::support::{bits, line, rng, wander, with_every_change};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Outside, Query,
-    RevisionThreshold, Scene, State, Trajectory, Window,
+    AlertLevel, Body, BodyId, Command, Error, Event, EventKind, Hitbox, Monitor, Orientation,
+    Outside, Query, RevisionThreshold, Scene, State, Trajectory, Window,
 };
 use rand::RngExt;
 
@@ -315,6 +315,12 @@ fn rounding_is_not_told() {
     }
 }
 
+/// Returns the error of a command about an unknown body.
+fn unknown_in(command: usize, id: BodyId) -> Error {
+    let error = Box::new(Error::UnknownBody { id });
+    Error::InCommand { command, error }
+}
+
 #[test]
 fn a_batch_is_all_or_nothing() {
     let (a, b) = head_on();
@@ -326,7 +332,14 @@ fn a_batch_is_all_or_nothing() {
         Command::Insert(Body::new(a.clone())),
         Command::SetHitbox(other, Hitbox::POINT),
     ]);
-    assert_eq!(refused.unwrap_err(), Error::UnknownBody { id: other });
+    assert_eq!(refused.unwrap_err(), unknown_in(2, other));
+    // A new body without a tag has no name but the number of its command.
+    let ground = Body::new(a.clone()).with_hitbox(Hitbox::half_space(DVec3::Z).unwrap());
+    let spin = Orientation::spin(0.0, DQuat::IDENTITY, DVec3::X).unwrap();
+    let bodies = [ground.clone(), ground.with_orientation(spin)];
+    let refused = monitor.apply(bodies.map(Command::Insert)).unwrap_err();
+    let message = "command 1: body 0: a half-space cannot turn";
+    assert!(refused.to_string().starts_with(message), "{refused}");
     assert_eq!(kinds(&tick(&mut monitor, 0.0)), [""; 0]);
     assert_eq!(bits(monitor.conflicts(0).unwrap()), before);
     let gap = line(40.0, 50.0, DVec3::ZERO, DVec3::X);
@@ -383,7 +396,7 @@ fn a_new_body_ignores_others_from_the_beginning() {
     let shot = |owner| Command::InsertIgnoring(Body::new(a.clone()), vec![owner]);
     // One that is gone by then is not known; nothing is changed then.
     let refused = monitor.apply([shot(ship), Command::Remove(target), shot(target)]);
-    assert_eq!(refused.unwrap_err(), Error::UnknownBody { id: target });
+    assert_eq!(refused.unwrap_err(), unknown_in(2, target));
     assert_eq!((ignored(&monitor), monitor.scene().len()), (vec![], 2));
     let shots = monitor.apply([shot(ship)]).unwrap();
     assert_eq!(ignored(&monitor), [(ship, shots[0])]);

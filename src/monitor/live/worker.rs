@@ -7,7 +7,7 @@ use super::stopped::{Panicked, Stopped};
 use crate::conflict::Conflict;
 use crate::error::Error;
 use crate::id::BodyId;
-use crate::monitor::{Budget, Command, Event, Monitor};
+use crate::monitor::{Budget, Event, Monitor};
 use crate::scene::BodyState;
 use crossbeam_channel::{Receiver, RecvError, Sender, TryRecvError, TrySendError, select};
 use std::any::Any;
@@ -152,8 +152,14 @@ impl Worker {
             return;
         };
         let outcome = match request {
-            Request::Change(command) => self.apply(ticket, [command]),
-            Request::Batch(commands) => self.apply(ticket, commands),
+            Request::Change(command) => {
+                let ids = self.monitor.apply_one(command);
+                ids.map(|ids| self.applied(ticket, ids))
+            }
+            Request::Batch(commands) => {
+                let ids = self.monitor.apply(commands);
+                ids.map(|ids| self.applied(ticket, ids))
+            }
             Request::Track(now, states) => self.track(ticket, now, states),
             Request::Clock(now) => {
                 let done = self.tick(now);
@@ -208,18 +214,13 @@ impl Worker {
         }
     }
 
-    /// Makes changes; reports the bodies that were put in.
-    fn apply(
-        &mut self,
-        ticket: Ticket,
-        commands: impl IntoIterator<Item = Command>,
-    ) -> Result<Option<ReportKind>, Error> {
-        let ids = self.monitor.apply(commands)?;
+    /// Reports the plans that were late; returns the report of the bodies that were put in.
+    fn applied(&mut self, ticket: Ticket, ids: Vec<BodyId>) -> Option<ReportKind> {
         let plans: Vec<_> = self.monitor.batch.late().collect();
         if !plans.is_empty() {
             self.report(ReportKind::Late { ticket, plans });
         }
-        Ok((!ids.is_empty()).then_some(ReportKind::Inserted { ticket, ids }))
+        (!ids.is_empty()).then_some(ReportKind::Inserted { ticket, ids })
     }
 
     /// Lets bodies follow straight motions; returns the report of those that were late.

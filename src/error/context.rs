@@ -1,7 +1,8 @@
-//! The body that an error is about.
+//! The body or the command that an error is about, and the sentence that a program prints.
 
 use super::Error;
 use crate::id::BodyId;
+use std::fmt;
 
 impl Error {
     /// Returns the error wrapped in that of a body with this tag. An error of a body stays as it is.
@@ -41,5 +42,12 @@ impl Error {
             *id = Some(of);
         }
         self
+    }
+}
+
+/// A program that unwraps an error, or returns one from `main`, prints this: the sentence of `Display`.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
