@@ -7,8 +7,8 @@ use std::fmt;
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoverError {
-    /// No finite set of spheres contains the shape (a half-space), or it has neither a volume nor triangles (a segment, a
-    /// polyline). Height fields, voxels, rounded and custom shapes are not supported.
+    /// No finite set of spheres contains the shape (a half-space), or it is neither a solid nor a triangle mesh (a segment,
+    /// a polyline, a single triangle). Height fields, voxels, rounded and custom shapes are not supported.
     #[error(
         "a {kind} cannot be covered with spheres: give a solid, a compound of solids, or a triangle mesh"
     )]

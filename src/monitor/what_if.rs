@@ -60,8 +60,8 @@ impl Monitor {
     /// # Errors
     ///
     /// [`Error::UnknownAlertLevel`]; [`Error::UnknownBody`], [`Error::InBody`]; in a body [`Error::NoNewPlan`] if the body
-    /// exists now and the plan does not, or if the plan has ended by now, or [`Error::ModelError`];
-    /// [`Error::NothingKnown`].
+    /// exists now and the plan does not, or if the plan has ended by now, or [`Error::ModelError`]; if the plan could be
+    /// followed, [`Error::NothingKnown`].
     pub fn what_if<'p>(
         &self,
         id: BodyId,

@@ -136,7 +136,7 @@ impl Body {
 
     /// Returns the spheres of the hitbox at `time` (s), with their centres in the world as offsets
     /// (m), or `None` where the body does not exist: for drawing. Of a half-space the list is empty: its plane
-    /// goes through the body's position.
+    /// goes through the body's position. Where the orientation jumps, the later rotation counts.
     #[must_use]
     pub fn spheres_at(&self, time: f64) -> Option<Vec<Sphere>> {
         let position = self.trajectory.position(time)?;

@@ -9,7 +9,8 @@ impl Scene {
     /// not count.
     ///
     /// Bodies [at rest](crate::Trajectory::at_rest) and bodies that [coast](crate::Trajectory::coasting) from a
-    /// single state do not count either. The result is `None` if there are no others.
+    /// single state do not count either. The result is `None` if there are no others. A body at rest that is given a plan
+    /// keeps its knot at 0 s, which counts then: where times are far from 0, name a window.
     ///
     /// ```
     /// use nearmiss::glam::DVec3;

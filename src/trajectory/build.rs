@@ -177,7 +177,8 @@ impl Trajectory {
     /// The body exists at all times: it can only be screened within a closed window
     /// ([`Error::WindowNotClosed`]). Its single knot is at 0 s:
     /// [`Monitor::extend`](crate::Monitor::extend) continues from there, whatever the clock shows.
-    /// To set it in motion use [`Monitor::replan`](crate::Monitor::replan).
+    /// To set it in motion use [`Monitor::replan`](crate::Monitor::replan). The knot at 0 s remains the first one then, and
+    /// counts in [`Scene::planned`](crate::Scene::planned).
     ///
     /// # Errors
     ///

@@ -38,8 +38,10 @@ use worker::Worker;
 ///   stalls stalls the monitor, not the senders: [`Handle::complete_until`] then stands still.
 /// - After [`Live::stop_requests`] all that was sent before is carried out, and then [`Live::reports`] ends. One
 ///   reader that goes on to that end, on whatever thread, has every report in order: none is left for `shutdown`.
-/// - A tick works within [`LiveOptions::budget`] at a time; what is left is caught up while no
-///   requests wait. If that fails, [`ReportKind::Stuck`] says why.
+/// - A tick works within [`LiveOptions::budget`] at a time. While no requests wait and not all of the lookahead is known,
+///   the thread ticks at the clock as it stands; if that fails, [`ReportKind::Stuck`] says why. So it does after `spawn`,
+///   unless the monitor has had its first tick: requests that come later are then seen by another tick, and events and
+///   ids of encounters may differ from those of a [`Monitor`] that is given the same requests.
 /// - [`Live::shutdown`] returns the monitor, every report that was not read and every request that was not
 ///   applied. It takes under 100 ms, the step at hand (one budget and one request's work); longer where
 ///   tens of thousands of pairs stay near each other: these are solved and read first, which the budget
