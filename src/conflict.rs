@@ -29,8 +29,8 @@ pub struct ClosestApproach {
     /// Velocity of a minus that of b, m/s. At a jump: the velocity from then on.
     pub relative_velocity: DVec3,
     /// Number of the closest sphere of a's hitbox (0 for a single sphere); of several, any one. Where the orientation
-    /// jumps at `time`, the body has both rotations, and either may be the closer one;
-    /// [`Body::spheres_at`](crate::Body::spheres_at) returns the later one.
+    /// jumps at `time`, either rotation may be the one of this sphere (at the last instant of a plan, the earlier one);
+    /// [`Body::spheres_at`](crate::Body::spheres_at) takes the later one.
     pub sphere_a: u32,
     /// Number of the closest sphere of b's hitbox (0 for a single sphere).
     pub sphere_b: u32,

@@ -91,8 +91,8 @@ impl Scene {
     /// share done: time slices up to 0.9, then the pairs solved. Any thread may call it, so values
     /// may come out of order. The last call, with 1, is on this thread.
     ///
-    /// `progress` returns [`ControlFlow::Break`] to end the screening, which then has no answer, also at the last call. It is asked every few
-    /// milliseconds of work. Exception: where two clusters turn hundreds of times while they are near, and both follow one
+    /// `progress` returns [`ControlFlow::Break`] to end the screening, which then has no answer, also at the last call. It
+    /// is asked every few milliseconds of work. Exception: where two clusters turn hundreds of times while they are near, and both follow one
     /// cubic meanwhile, that is one step, of some 10 microseconds for each turn.
     ///
     /// ```

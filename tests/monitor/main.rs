@@ -7,6 +7,7 @@
     reason = "exact cases are exact; a monitor that cannot be built fails the test"
 )]
 
+mod batches;
 mod both_ways;
 mod budgets;
 mod change_times;

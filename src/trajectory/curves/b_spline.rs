@@ -22,11 +22,12 @@ impl Trajectory {
     /// Inside, a knot that occurs once leaves the acceleration continuous, twice the velocity, three times the
     /// position. Four times is accepted if the two control points there are the same.
     ///
-    /// The Bézier points of each segment are computed with twice the precision of f64. So a position is good to
-    /// two roundings of itself, and 2e-14 of the segment's extent for its evaluation. Position, velocity and acceleration at both ends are those of
-    /// the curve, to a few roundings of their own and 1e-27 of the largest coordinate. From these a body goes on beyond
-    /// its knots if [`Outside`](crate::Outside) says so. Answers there speak of the motion with these coefficients. Their
-    /// error grows with the third power of the time gone, in units of the last interval. It is not part of a certificate.
+    /// The Bézier points of each segment are computed with twice the precision of f64. So a position is good to two
+    /// roundings of itself, and 2e-14 of the segment's extent for its evaluation. Position, velocity and acceleration
+    /// at both ends are those of the curve, to a few roundings of their own and 1e-27 of the largest coordinate. From
+    /// these a body goes on beyond its knots if [`Outside`](crate::Outside) says so. Answers there speak of the motion
+    /// with these coefficients. Their error grows with the third power of the time gone, in units of the last interval.
+    /// It is not part of a certificate.
     ///
     /// ```
     /// use nearmiss::Trajectory;
