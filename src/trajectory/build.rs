@@ -184,11 +184,7 @@ impl Trajectory {
     ///
     /// [`Error::NotFinite`] and [`Error::OutOfRange`] if the position is not usable.
     pub fn at_rest(position: impl Into<DVec3>) -> Result<Self, Error> {
-        // It lasts as long as times go, so that a window however long needs one piece, or two.
-        let state = State::new(0.0, position, DVec3::ZERO);
-        check_states(&[state])?;
-        let motion = StraightMotion::through(&state, MAX_MAGNITUDE)?;
-        Ok(Self::of_straight(motion))
+        Self::coasting(State::new(0.0, position, DVec3::ZERO))
     }
 
     /// Builds a body that keeps its velocity for all time: dead reckoning from one state, such as
@@ -231,7 +227,7 @@ impl Trajectory {
             return Ok(StraightMotion::through_ordinary(state));
         }
         check_states(from_ref(state))?;
-        StraightMotion::through(state, StraightMotion::DURATION)
+        StraightMotion::through(state)
     }
 
     /// Returns the trajectory of a body that moves so, before and after.
