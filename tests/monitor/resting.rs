@@ -4,8 +4,8 @@ use super::is_as_screened;
 use super::support::{bits, rng, vector, with_every_change};
 use glam::{DQuat, DVec3};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Encounter, Hitbox, Monitor, Orientation, Scene, Sphere,
-    State, Trajectory,
+    AlertLevel, Body, BodyId, Budget, Encounter, Hitbox, Layers, Monitor, Orientation, Scene,
+    Sphere, State, Trajectory,
 };
 use rand::RngExt;
 
@@ -87,4 +87,47 @@ fn resting_bodies_are_reported_as_all_others() {
         }
     }
     assert!(reported > 1_000 && stayed > 10_000, "{reported} {stayed}");
+}
+
+/// Balls on a floor that were told to rest at one instant are solved then, and never again.
+#[test]
+fn what_rests_is_solved_once() {
+    let mut scene = Scene::new();
+    let floor = Trajectory::at_rest(DVec3::ZERO).unwrap();
+    let ground = Hitbox::half_space(DVec3::Z).unwrap();
+    scene
+        .insert(
+            Body::new(floor)
+                .with_hitbox(ground)
+                .with_layers(Layers::new(2, 1)),
+        )
+        .unwrap();
+    let states: Vec<State> = (0..30)
+        .map(|x| State::new(0.0, [f64::from(x), 0.0, 0.5], DVec3::ZERO))
+        .collect();
+    let ids: Vec<BodyId> = states
+        .iter()
+        .map(|state| {
+            let ball = Body::new(Trajectory::coasting(*state).unwrap());
+            let ball = ball.with_hitbox(Hitbox::sphere(0.5).unwrap());
+            scene.insert(ball.with_layers(Layers::new(1, 2))).unwrap()
+        })
+        .collect();
+    let mut monitor = Monitor::new(scene, 0.0, 2.0, &LEVELS).unwrap();
+    let (mut events, mut solved) = (Vec::new(), Vec::new());
+    for tick in 0..1_000 {
+        let now = 0.25 * f64::from(tick);
+        if tick == 10 {
+            let told = ids.iter().zip(&states).take(15).map(|(&id, state)| {
+                let state = State::new(now, state.position, DVec3::ZERO);
+                (id, state)
+            });
+            monitor.track(now, told).unwrap();
+        }
+        monitor.advance(now, &mut events).unwrap();
+        if monitor.stats().survivors > 0 {
+            solved.push(tick);
+        }
+    }
+    assert_eq!((events.len(), solved), (60, vec![0]));
 }
