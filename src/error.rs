@@ -63,7 +63,7 @@ pub enum Error {
     /// The time of a knot is not later than that of the knot before it.
     #[error(
         "knot {knot}: time {time:?} s is not later than the knot before it, {previous:?} s: sort by time, and keep \
-         one knot for each instant"
+         one knot for each instant (of a B-spline at most four)"
     )]
     TimeNotIncreasing {
         /// The later knot, counted from 0.

@@ -61,7 +61,7 @@ const CURVES: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO)])?),
      "a trajectory needs at least two states or waypoints, not 1 (Trajectory::coasting takes one)"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (5.0, DVec3::X), (5.0, DVec3::Y)])?),
-     "knot 2: time 5.0 s is not later than the knot before it, 5.0 s: sort by time, and keep one knot for each instant"),
+     "knot 2: time 5.0 s is not later than the knot before it, 5.0 s: sort by time, and keep one knot for each instant (of a B-spline at most four)"),
     (|| done(Trajectory::from_waypoints(&[(0.0, DVec3::ZERO), (1.0, DVec3::new(0.0, f64::NAN, 0.0))])?),
      "knot 1: position y is NaN, not a finite number"),
     (|| done(Trajectory::from_positions_with(&[(0.0, DVec3::ZERO), (1.0, DVec3::X)],
@@ -69,13 +69,13 @@ const CURVES: &[(Attempt, &str)] = &[
      "knot 0: velocity x is NaN, not a finite number"),
     (|| done(Trajectory::from_bezier(&[0.0, 1.0], &[[DVec3::ZERO; 4]; 0])?), "2 knots need 1 segments, not 0"),
     (|| done(Trajectory::from_bezier(&[0.0, -1.0], &[[DVec3::ZERO; 4]])?),
-     "knot 1: time -1.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"),
+     "knot 1: time -1.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant (of a B-spline at most four)"),
     (|| done(Trajectory::from_b_spline(&[0.0, 1.0, 2.0], &[DVec3::ZERO; 4])?),
      "a cubic B-spline of 4 control points needs 8 knots, not 3"),
     (|| done(Trajectory::from_uniform_b_spline(0.0, 1.0, &[DVec3::ZERO; 3])?),
      "a cubic B-spline needs at least four control points, not 3"),
     (|| done(Trajectory::from_uniform_b_spline(0.0, 0.0, &[DVec3::ZERO; 4])?),
-     "knot 1: time 0.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant"),
+     "knot 1: time 0.0 s is not later than the knot before it, 0.0 s: sort by time, and keep one knot for each instant (of a B-spline at most four)"),
     (|| {
         let frame = |time, tangent| Keyframe::new(time, tangent, DVec3::X, DVec3::X);
         done(Trajectory::from_keyframes(&[frame(0.0, DVec3::X), frame(1.0, DVec3::NAN)])?)
@@ -161,7 +161,7 @@ const BODIES: &[(Attempt, &str)] = &[
     (|| done(Hitbox::cluster(vec![Sphere { offset: DVec3::ZERO, radius: -0.1 }])?),
      "sphere 0: radius -0.1 m is not a number from 0 to 1e300"),
     (|| done(Orientation::slerp(&[(1.0, DQuat::IDENTITY), (0.0, DQuat::IDENTITY)])?),
-     "knot 1: time 0.0 s is not later than the knot before it, 1.0 s: sort by time, and keep one knot for each instant"),
+     "knot 1: time 0.0 s is not later than the knot before it, 1.0 s: sort by time, and keep one knot for each instant (of a B-spline at most four)"),
     (|| done(Orientation::spin(0.0, DQuat::IDENTITY, DVec3::Z)?.with_tolerance(0.0)?),
      "tolerance 0.0 is not a number within 1e-9..=0.1"),
 ];

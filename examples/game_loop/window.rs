@@ -157,7 +157,7 @@ fn record(game: &mut Game) -> String {
     let monitor = &mut game.fleet.monitor;
     if monitor.is_recording() {
         return match monitor.stop_recording() {
-            Ok(records) => format!("{records} records in {PATH}"),
+            Ok(records) => format!("{} records in {PATH}", records.unwrap_or(0)),
             Err(error) => format!("{PATH}: {error}"),
         };
     }

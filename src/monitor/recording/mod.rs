@@ -18,7 +18,8 @@ impl Monitor {
     /// way is given up: [stop](Self::stop_recording) it first, or its replay ends with an error.
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
-    /// monitor's requests after they were coalesced), and for each tick how far it came.
+    /// monitor's requests after they were coalesced), and for each tick how far it came. A told state takes about
+    /// 190 bytes, one with a spin 330.
     ///
     /// # Errors
     ///
@@ -36,13 +37,14 @@ impl Monitor {
         Ok(())
     }
 
-    /// Ends the recording, if there is one, and drops its writer; returns how many records it has.
+    /// Ends the recording and drops its writer; returns how many records it has, or `None` if there is none: a
+    /// [restored](Self::restore) monitor has none, whatever the one that it continues had.
     ///
     /// # Errors
     ///
     /// The first error of writing the recording. The records before it are good.
-    pub fn stop_recording(&mut self) -> io::Result<u64> {
-        self.recorder.take().map_or(Ok(0), RecordWriter::finish)
+    pub fn stop_recording(&mut self) -> io::Result<Option<u64>> {
+        self.recorder.take().map(RecordWriter::finish).transpose()
     }
 
     /// Writes a record, if a recording is under way.

@@ -230,7 +230,7 @@ const CALLS: &[(Attempt, &str)] = &[
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(f64::NAN, 1.0)])?),
      "knot 1: time is NaN, not a finite number"),
     (|| done(Trajectory::from_states(&[state(2.0, 0.0), state(2.0, 1.0)])?),
-     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s: sort by time, and keep one knot for each instant"),
+     "knot 1: time 2.0 s is not later than the knot before it, 2.0 s: sort by time, and keep one knot for each instant (of a B-spline at most four)"),
     (|| done(Trajectory::from_states(&[state(0.0, 0.0), state(1.0, 1e301)])?),
      "knot 1: position x reaches 1e301, beyond ±1e300: check the units"),
     (|| done(Trajectory::at_rest(f64::INFINITY * DVec3::X)?),

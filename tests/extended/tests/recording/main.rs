@@ -315,15 +315,17 @@ fn what_is_read_again_is_replayed() {
 fn a_stopped_recording_ends_where_it_was_stopped() {
     let mut rng = rng(5);
     let mut monitor = monitor(&mut rng, 8, 5.0);
-    assert_eq!(monitor.stop_recording().unwrap(), 0);
+    assert_eq!(monitor.stop_recording().unwrap(), None);
     let file = Memory::default();
     monitor.start_recording(file.clone()).unwrap();
     let mut events = Vec::new();
     for _ in 0..20 {
         live_on(&mut monitor, &mut rng, &mut events);
     }
+    let restored = Monitor::restore(monitor.snapshot()).unwrap();
+    assert!(monitor.is_recording() && !restored.is_recording());
     let records = monitor.stop_recording().unwrap();
-    assert!(records > 20 && !monitor.is_recording());
+    assert!(records.is_some_and(|records| records > 20) && !monitor.is_recording());
     let file = file.bytes();
     let mut replayed = Replay::open(&file[..]).unwrap();
     let mut again = Vec::new();
