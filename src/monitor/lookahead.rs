@@ -59,6 +59,8 @@ pub(super) struct LookaheadSearch {
     unused: Vec<LookaheadSlice>,
     /// Lengths of the next chunk of a jump and of its slices, s; none if nothing is left to search.
     jump: Option<(f64, f64)>,
+    /// Those with which the last jump ended, s. A clock that moves on by more than the lookahead jumps in each tick.
+    last_jump: Option<(f64, f64)>,
     pub(super) half_spaces: HalfSpaceSearch,
     query_indexes: QueryIndexes,
     /// Spans that cheap tests have left: to be solved.
@@ -98,6 +100,7 @@ impl LookaheadSearch {
             slices: VecDeque::new(),
             unused: Vec::new(),
             jump: None,
+            last_jump: None,
             half_spaces: HalfSpaceSearch::default(),
             query_indexes: QueryIndexes::default(),
             survivors: Vec::new(),

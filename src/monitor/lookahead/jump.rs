@@ -50,7 +50,10 @@ impl LookaheadSearch {
             pool: &self.search_pool,
             threads: meter.threads(),
         };
-        let (chunk, slice) = self.jump.get_or_insert((length, length));
+        // A budget may be spent within the first chunk: then that is short.
+        let last = self.last_jump.filter(|_| !meter.may_leave_work());
+        let first = last.unwrap_or((length, length));
+        let (chunk, slice) = self.jump.get_or_insert(first);
         // What has changed since the last call counts from there on, with all instants that are rounded to it.
         let mut at = earliest_exact(from);
         // Not beyond the prescribed end of the known time: bodies may change then, and are searched for from there on.
@@ -87,7 +90,8 @@ impl LookaheadSearch {
             let factor = if examined < little { 2.0 } else { 0.5 };
             *chunk = (factor * *chunk).max(length);
         }
-        self.jump = None;
+        let last = self.jump.take();
+        self.last_jump = last.map(|(chunk, slice)| (chunk.min(to - from), slice));
         Ok(None)
     }
 }
@@ -170,7 +174,7 @@ mod tests {
     use crate::monitor::{AlertLevel, Budget, Event, EventKind, Monitor};
     use crate::orientation::Orientation;
     use crate::scene::{Body, Scene};
-    use crate::trajectory::Trajectory;
+    use crate::trajectory::{State, Trajectory};
     use glam::{DQuat, DVec3};
 
     /// A wheel over a floor, and beside another wheel that it touches at each turn.
@@ -188,6 +192,30 @@ mod tests {
             scene.insert(body).unwrap();
         }
         Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(0.0)]).unwrap()
+    }
+
+    /// A clock that moves on by far more than the lookahead jumps in each tick: each jump goes on as the one before ended.
+    #[test]
+    fn jumps_of_one_length_are_searched_in_few_slices() {
+        let mut scene = Scene::new();
+        let state = |x: u32, time: f64| {
+            let velocity = DVec3::new(0.1, 0.0, 0.0);
+            State::new(time, DVec3::X * (f64::from(2 * x) + 0.1 * time), velocity)
+        };
+        let ids = (0..100).map(|x| {
+            let plan = Trajectory::coasting(state(x, 0.0)).unwrap();
+            scene.insert(Body::new(plan)).unwrap()
+        });
+        let ids: Vec<_> = ids.collect();
+        let mut monitor = Monitor::new(scene, 0.0, 1e-9, &[AlertLevel::at(0.0)]).unwrap();
+        for tick in 1..20 {
+            let now = f64::from(tick) / 64.0;
+            let told = ids.iter().zip(0..).map(|(&id, x)| (id, state(x, now)));
+            monitor.track(now, told).unwrap();
+            monitor.advance(now, &mut Vec::new()).unwrap();
+            let slices = monitor.stats().slices;
+            assert!(slices <= 12 || tick == 1, "{tick}: {slices}");
+        }
     }
 
     /// A tick with a budget solves few parts of turns, and all ticks together report what one without reports.
