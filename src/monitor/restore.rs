@@ -65,7 +65,7 @@ impl Monitor {
     /// Near [`max_spans`](Self::max_spans) one of the two may end with [`Error::TooCrowded`] where the other one does not,
     /// since a snapshot holds no spans that were found before.
     ///
-    /// The new monitor has no [recording](Self::start_recording).
+    /// The new monitor has no recording under way.
     ///
     /// Ids of bodies and encounters that were given after the snapshot are given again, to others. Forget what you have noted
     /// under them; [`encounters`](Self::encounters) lists those under way.
