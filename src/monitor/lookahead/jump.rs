@@ -91,7 +91,7 @@ impl LookaheadSearch {
             *chunk = (factor * *chunk).max(length);
         }
         let last = self.jump.take();
-        self.last_jump = last.map(|(chunk, slice)| (chunk.min(to - from), slice));
+        self.last_jump = last.map(|(chunk, slice)| (chunk.min(to - from).max(length), slice));
         Ok(None)
     }
 }
