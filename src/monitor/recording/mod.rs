@@ -19,7 +19,7 @@ impl Monitor {
     ///
     /// First comes the monitor as it is, then everything that changes it, as it is applied (a live
     /// monitor's requests after they were coalesced), and for each tick how far it came. A told state takes about
-    /// 190 bytes, one with a spin 330.
+    /// 190 bytes, one with a spin 360.
     ///
     /// # Errors
     ///

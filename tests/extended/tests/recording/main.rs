@@ -14,10 +14,10 @@ mod support;
 mod turning;
 mod writers;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use nearmiss::recording::{RecordingError, Replay};
 use nearmiss::{
-    AlertLevel, Body, BodyId, Budget, Command, Event, Hitbox, Layers, Monitor, Outside,
+    AlertLevel, Body, BodyId, BodyState, Budget, Command, Event, Hitbox, Layers, Monitor, Outside,
     RevisionThreshold, Scene, Sphere, State, Trajectory,
 };
 use rand::RngExt;
@@ -336,6 +336,38 @@ fn a_stopped_recording_ends_where_it_was_stopped() {
     assert!(scene.bodies().eq(copy.bodies()));
     let now = replayed.into_monitor().now();
     assert_eq!(now.to_bits(), monitor.now().to_bits());
+}
+
+/// The documentation of recordings says so.
+#[test]
+fn a_told_state_takes_about_190_bytes_and_one_with_a_spin_360() {
+    let mut rng = rng(31);
+    for (spins, expected) in [(false, 180..200), (true, 345..380)] {
+        let mut scene = Scene::new();
+        let ball = Body::new(Trajectory::at_rest(DVec3::ZERO).unwrap());
+        let ids: Vec<BodyId> = (0..100)
+            .map(|_| scene.insert(ball.clone()).unwrap())
+            .collect();
+        let mut monitor = Monitor::new(scene, 0.0, 2.0, &[AlertLevel::at(-1.0)]).unwrap();
+        let file = Memory::default();
+        monitor.start_recording(file.clone()).unwrap();
+        let begin = file.bytes().len();
+        let told = ids.iter().map(|&id| {
+            let (position, velocity) = (vector(&mut rng, 500.0), vector(&mut rng, 10.0));
+            let state = BodyState::from(State::new(1.0 / 60.0, position, velocity));
+            let turned = vector(&mut rng, 3.0);
+            let state = if spins {
+                state.with_spin(DQuat::from_scaled_axis(turned), vector(&mut rng, 5.0))
+            } else {
+                state
+            };
+            (id, state)
+        });
+        monitor.track(1.0 / 60.0, told).unwrap();
+        monitor.stop_recording().unwrap();
+        let bytes = (file.bytes().len() - begin) / ids.len();
+        assert!(expected.contains(&bytes), "{spins} {bytes}");
+    }
 }
 
 #[cfg(feature = "live")]
